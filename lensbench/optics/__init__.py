@@ -1,0 +1,1 @@
+"""Pure optics: surfaces, lens, wearer, gaze field. Numpy and scipy in, arrays out; no files, no pictures."""

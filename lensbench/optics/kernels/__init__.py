@@ -1,0 +1,28 @@
+"""Numba kernels: no classes, arrays of rays in, arrays out; compiled once and cached on disk.
+
+The cache folder is named by a digest of these files, because numba does not notice an edit in the file of a callee.
+NUMBA_CACHE_DIR overrides it.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+
+from numba.core import config
+
+
+def _cache_folder() -> str:
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return str(base / "lensbench" / f"kernels-{digest.hexdigest()[:16]}")
+
+
+_previous = config.CACHE_DIR
+config.CACHE_DIR = _previous or _cache_folder()
+from . import surface, trace  # noqa: E402
+
+config.CACHE_DIR = _previous
+
+__all__ = ["surface", "trace"]

@@ -1,0 +1,189 @@
+"""Sag and its derivatives for every surface kind, and where a ray meets a surface. Surface frame, mm.
+
+A surface is four plain arrays: kind (int), p (8 parameters), breaks_x and breaks_y (breakpoints of the spline cells, mm)
+and cells (ny, nx, 6, 6): cells[j, i, b, a] multiplies (y - breaks_y[j])^b (x - breaks_x[i])^a.
+Parameters p by kind, curvatures in 1/mm, positive with the centre of curvature on the eye's side (depth = -sag):
+    CONIC    c, k, a4, a6, a8, a10, a12, a14 : depth = c q / (1 + sqrt(1 - (1+k) c^2 q)) + a4 q^2 + ...,  q = x^2 + y^2
+    TORIC    ca, cb, cos, sin : arc of curvature ca along the axis meridian, turned about a line at the radius 1/cb
+    BICONIC  ca, cb, cos, sin, ka, kb : biconic with the first pair along the axis meridian
+    SPLINE   c0 : curvature of the sphere from which the search for the intersection starts
+"""
+
+import math
+
+import numba as nb
+
+CONIC, TORIC, BICONIC, SPLINE = 0, 1, 2, 3
+MAX_NEWTON = 25
+
+VECTOR = nb.types.Array(nb.float64, 1, "C", readonly=True)
+MATRIX = nb.types.Array(nb.float64, 2, "C", readonly=True)
+CELLS = nb.types.Array(nb.float64, 4, "C", readonly=True)
+
+inline = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+
+
+@inline
+def conic(p, x, y):
+    """Rotationally symmetric conic with even asphere terms: (f, fx, fy, fxx, fxy, fyy) of the sag."""
+    c, q = p[0], x * x + y * y
+    root = math.sqrt(1 - (1 + p[1]) * c * c * q)
+    depth, first, second = c * q / (1 + root), c / (2 * root), (1 + p[1]) * c * c * c / (4 * root * root * root)
+    power = 1.0
+    for j in range(6):
+        a, m = p[2 + j], j + 2
+        second += m * (m - 1) * a * power
+        first += m * a * power * q
+        depth += a * power * q * q
+        power *= q
+    mixed = -4 * x * y * second
+    return -depth, -2 * x * first, -2 * y * first, -2 * first - 4 * x * x * second, mixed, -2 * first - 4 * y * y * second
+
+
+@inline
+def turned(p, fu, fv, fuu, fuv, fvv):
+    """Derivatives along (u, v) = (axis meridian, across it) carried to (x, y)."""
+    c, s = p[2], p[3]
+    fxx = c * c * fuu - 2 * c * s * fuv + s * s * fvv
+    fxy = c * s * (fuu - fvv) + (c * c - s * s) * fuv
+    fyy = s * s * fuu + 2 * c * s * fuv + c * c * fvv
+    return c * fu - s * fv, s * fu + c * fv, fxx, fxy, fyy
+
+
+@inline
+def toric(p, x, y):
+    """True torus: (f, fx, fy, fxx, fxy, fyy) of the sag."""
+    ca, cb = p[0], p[1]
+    u, v = p[2] * x + p[3] * y, p[2] * y - p[3] * x
+    root = math.sqrt(1 - ca * ca * u * u)
+    g, g1, g2 = ca * u * u / (1 + root), ca * u / root, ca / (root * root * root)
+    w = 1 - cb * g
+    r = math.sqrt(w * w - cb * cb * v * v)
+    du, dv = w * g1 / r, cb * v / r
+    duu = (w * g2 - cb * g1 * g1 + cb * du * du) / r
+    duv, dvv = cb * du * dv / r, cb * (1 + dv * dv) / r
+    fx, fy, fxx, fxy, fyy = turned(p, -du, -dv, -duu, -duv, -dvv)
+    return -(g + cb * v * v / (w + r)), fx, fy, fxx, fxy, fyy
+
+
+@inline
+def biconic(p, x, y):
+    """Biconic (Zemax BICONICX form): (f, fx, fy, fxx, fxy, fyy) of the sag."""
+    ca, cb = p[0], p[1]
+    u, v = p[2] * x + p[3] * y, p[2] * y - p[3] * x
+    ea, eb = (1 + p[4]) * ca * ca, (1 + p[5]) * cb * cb
+    root = math.sqrt(1 - ea * u * u - eb * v * v)
+    ru, rv = -ea * u / root, -eb * v / root
+    ruu, ruv, rvv = -(ea + ru * ru) / root, -ru * rv / root, -(eb + rv * rv) / root
+    h = 1 / (1 + root)
+    depth = (ca * u * u + cb * v * v) * h
+    du, dv = (2 * ca * u - depth * ru) * h, (2 * cb * v - depth * rv) * h
+    duu = (2 * ca - 2 * du * ru - depth * ruu) * h
+    duv = (-du * rv - dv * ru - depth * ruv) * h
+    dvv = (2 * cb - 2 * dv * rv - depth * rvv) * h
+    fx, fy, fxx, fxy, fyy = turned(p, -du, -dv, -duu, -duv, -dvv)
+    return -depth, fx, fy, fxx, fxy, fyy
+
+
+@inline
+def find_cell(breaks, x):
+    """Index of the cell of x; the first or last cell outside the breakpoints."""
+    low, high = 0, breaks.size - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if x < breaks[middle]:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+@inline
+def spline(breaks_x, breaks_y, cells, x, y):
+    """Tensor spline in its local polynomials: (f, fx, fy, fxx, fxy, fyy) of the sag."""
+    i, j = find_cell(breaks_x, x), find_cell(breaks_y, y)
+    s, t = x - breaks_x[i], y - breaks_y[j]
+    f = fx = fxx = fy = fxy = fyy = 0.0
+    for b in range(5, -1, -1):
+        c, cx, cxx = 0.0, 0.0, 0.0
+        for a in range(5, -1, -1):
+            cxx = cxx * s + 2 * cx
+            cx = cx * s + c
+            c = c * s + cells[j, i, b, a]
+        fyy = fyy * t + 2 * fy
+        fy = fy * t + f
+        f = f * t + c
+        fxy = fxy * t + fx
+        fx = fx * t + cx
+        fxx = fxx * t + cxx
+    return f, fx, fy, fxx, fxy, fyy
+
+
+@inline
+def sag(kind, p, breaks_x, breaks_y, cells, x, y):
+    """(f, fx, fy, fxx, fxy, fyy) of the sag at (x, y); NaN where the surface does not exist."""
+    if kind == CONIC:
+        return conic(p, x, y)
+    if kind == TORIC:
+        return toric(p, x, y)
+    if kind == BICONIC:
+        return biconic(p, x, y)
+    return spline(breaks_x, breaks_y, cells, x, y)
+
+
+@inline
+def start_curvature(kind, p):
+    """Curvature of the sphere at the vertex that stands in for the surface when a search starts, 1/mm."""
+    return 0.5 * (p[0] + p[1]) if kind == TORIC or kind == BICONIC else p[0]
+
+
+@inline
+def to_start_sphere(c, x, y, z, dx, dy, dz):
+    """Distance along the ray to the sphere (or plane) of curvature c through the vertex; to the plane if it misses."""
+    b = c * (x * dx + y * dy + z * dz) + dz
+    e = c * (x * x + y * y + z * z) + 2 * z
+    disc = b * b - c * e
+    if disc < 0:
+        return -z / dz
+    root = math.sqrt(disc)
+    return -e / (b + root) if b >= 0 else (root - b) / c
+
+
+@inline
+def inside_domain(kind, breaks_x, breaks_y, x, y):
+    """Whether the surface is defined at (x, y): only splines end."""
+    if kind != SPLINE:
+        return True
+    return breaks_x[0] <= x <= breaks_x[-1] and breaks_y[0] <= y <= breaks_y[-1]
+
+
+@inline
+def intersect(kind, p, breaks_x, breaks_y, cells, x, y, z, dx, dy, dz):
+    """Distance t (mm) along the ray to the surface, and a verdict: 0 met, 1 missed, 2 not converged. Newton on z - f."""
+    t = to_start_sphere(start_curvature(kind, p), x, y, z, dx, dy, dz)
+    for _ in range(MAX_NEWTON):
+        px, py = x + t * dx, y + t * dy
+        f, fx, fy, _xx, _xy, _yy = sag(kind, p, breaks_x, breaks_y, cells, px, py)
+        error = z + t * dz - f
+        t -= error / (dz - fx * dx - fy * dy)
+        if not math.isfinite(t):
+            return math.nan, 1
+        if abs(error) < 1e-8:
+            return t, 0 if inside_domain(kind, breaks_x, breaks_y, x + t * dx, y + t * dy) else 1
+    inside = inside_domain(kind, breaks_x, breaks_y, x + t * dx, y + t * dy)
+    return math.nan, 2 if inside else 1
+
+
+@nb.njit(
+    nb.void(nb.int64, VECTOR, VECTOR, VECTOR, CELLS, VECTOR, VECTOR, nb.float64[:, ::1]),
+    nogil=True, cache=True, parallel=True, error_model="numpy",
+)  # fmt: skip
+def sag_at(kind, p, breaks_x, breaks_y, cells, x, y, out):
+    """Fill out (6, n) with f, fx, fy, fxx, fxy, fyy at the points x, y (n,); NaN outside the domain."""
+    for i in nb.prange(x.size):
+        if inside_domain(kind, breaks_x, breaks_y, x[i], y[i]):
+            d = sag(kind, p, breaks_x, breaks_y, cells, x[i], y[i])
+            for k in range(6):
+                out[k, i] = d[k]
+        else:
+            out[:, i] = math.nan

@@ -1,0 +1,168 @@
+"""Surfaces of a lens: sphere, plane, conic, torus, biconic and tensor B-spline, all as one frozen type.
+
+Sag z = f(x, y) in the surface's own vertex frame, mm, +z to the scene; a radius is positive when the centre of curvature
+is on the eye's side, so a front surface convex to the scene has a positive radius and negative sag off axis.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import BSpline, PPoly, RectBivariateSpline
+
+from .conventions import Floats, read_only, rotation_xy
+from .kernels import surface as kernel
+
+_NO_BREAKS = read_only([0.0, 0.0])
+_NO_CELLS = read_only(np.zeros((1, 1, 6, 6)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """One refracting surface and its pose in the lens.
+
+    kind and the arrays p, breaks_x, breaks_y, cells: see optics.kernels.surface.
+    decentration: (x, y) of the surface's vertex in the lens, mm. tilt: (about x, about y) of its axis, rad; the turn is
+    R_y R_x about the vertex. note: how the surface was understood, one line for the reader.
+    """
+
+    kind: int
+    p: Floats
+    breaks_x: Floats = field(default_factory=lambda: _NO_BREAKS)
+    breaks_y: Floats = field(default_factory=lambda: _NO_BREAKS)
+    cells: Floats = field(default_factory=lambda: _NO_CELLS)
+    decentration: tuple[float, float] = (0.0, 0.0)
+    tilt: tuple[float, float] = (0.0, 0.0)
+    note: str = ""
+
+    @property
+    def rotation(self) -> Floats:
+        """Turn (3, 3) from the surface frame to the lens frame."""
+        return rotation_xy(*self.tilt)
+
+    def shape_arrays(self) -> tuple[Any, ...]:
+        """(kind, p, breaks_x, breaks_y, cells) as the kernels take them."""
+        return self.kind, self.p, self.breaks_x, self.breaks_y, self.cells
+
+    def derivatives(self, x: ArrayLike, y: ArrayLike) -> "SagDerivatives":
+        """Sag and derivatives at points x, y (mm, surface frame, any shape); NaN where there is no surface."""
+        bx, by = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        out = np.empty((6, bx.size))
+        kernel.sag_at(*self.shape_arrays(), np.array(bx).ravel(), np.array(by).ravel(), out)
+        return SagDerivatives(*(row.reshape(bx.shape) for row in out))
+
+    def sag(self, x: ArrayLike, y: ArrayLike) -> Floats:
+        """Sag f(x, y), mm, surface frame."""
+        return self.derivatives(x, y).f
+
+    def surface_power(self, x: ArrayLike, y: ArrayLike, index: float) -> Floats:
+        """Surface power matrices (..., 2, 2) in D at (x, y), as (index - 1) times the curvature seen from the scene.
+
+        Sign as for a front surface: convex to the scene is positive; a back surface adds with the opposite sign.
+        Projected on the surface frame's x and y by the minimal rotation of the normal. Source: do Carmo 1976, sec. 3.3.
+        """
+        _, fx, fy, fxx, fxy, fyy = self.derivatives(x, y)
+        w = np.sqrt(1 + fx**2 + fy**2)
+        k = 1 / (w * (1 + w))
+        tangent = np.stack([1 - fx**2 * k, -fx * fy * k, -fx * fy * k, 1 - fy**2 * k], -1).reshape(*w.shape, 2, 2)
+        second_form = np.stack([fxx, fxy, fxy, fyy], -1).reshape(*w.shape, 2, 2) / w[..., None, None]
+        return -1000 * (index - 1) * np.swapaxes(tangent, -1, -2) @ second_form @ tangent
+
+
+class SagDerivatives(NamedTuple):
+    """Sag f (mm), its slopes fx, fy and second derivatives fxx, fxy, fyy (1/mm), each of the points' shape."""
+
+    f: Floats
+    fx: Floats
+    fy: Floats
+    fxx: Floats
+    fxy: Floats
+    fyy: Floats
+
+
+def conic(curvature: float, conic_constant: float = 0.0, asphere: ArrayLike = (), **pose: Any) -> Surface:
+    """Conic of revolution with up to six even asphere terms a4, a6, ... (mm^-3, mm^-5, ...; positive towards the eye).
+
+    curvature: 1/mm, positive with the centre on the eye's side; pose: decentration, tilt, note.
+    """
+    terms = np.atleast_1d(np.asarray(asphere, dtype=float))
+    if terms.size > 6:
+        raise ValueError(f"at most 6 asphere terms (a4 to a14), not {terms.size}")
+    return Surface(kernel.CONIC, read_only([curvature, conic_constant, *terms, *[0.0] * (6 - terms.size)]), **pose)
+
+
+def sphere(radius: float, **pose: Any) -> Surface:
+    """Sphere of the given radius (mm; inf: a plane)."""
+    return conic(1.0 / radius, **pose)
+
+
+def plane(**pose: Any) -> Surface:
+    """Plane."""
+    return conic(0.0, **pose)
+
+
+def toric(curvature_along: float, curvature_across: float, axis: float, **pose: Any) -> Surface:
+    """True torus: an arc along the meridian `axis` (degrees TABO), turned about a line across the other meridian.
+
+    curvature_along, curvature_across: principal curvatures at the vertex along and across that meridian, 1/mm.
+    """
+    return Surface(kernel.TORIC, _two_meridians(curvature_along, curvature_across, axis), **pose)
+
+
+def biconic(
+    curvature_along: float, curvature_across: float, axis: float, conic_along: float, conic_across: float, **pose: Any
+) -> Surface:
+    """Biconic with one curvature (1/mm) and conic constant along the meridian `axis` (degrees), another across it."""
+    p = _two_meridians(curvature_along, curvature_across, axis, conic_along, conic_across)
+    return Surface(kernel.BICONIC, p, **pose)
+
+
+def _two_meridians(along: float, across: float, axis: float, *conics: float) -> Floats:
+    p = np.zeros(8)
+    angle = np.radians(axis)
+    p[: 4 + len(conics)] = along, across, np.cos(angle), np.sin(angle), *conics
+    return read_only(p)
+
+
+def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, degree: int, **pose: Any) -> Surface:
+    """Tensor B-spline sag of degree 2 to 5, kept as local polynomials in its cells.
+
+    knots_x (nx + degree + 1,), knots_y (ny + degree + 1,): full knot vectors, mm; coefficients (ny, nx): mm, +z to the
+    scene, row j belongs to knots_y. The sag need not vanish at (0, 0): it counts from the surface's vertex frame.
+    Source: de Boor 1978, ch. X.
+    """
+    tx, ty, c = (np.asarray(a, dtype=float) for a in (knots_x, knots_y, coefficients))
+    in_y = PPoly.from_spline(BSpline(ty, c, degree))
+    in_xy = PPoly.from_spline(BSpline(tx, np.moveaxis(in_y.c, 2, 0), degree))
+    keep_x, keep_y = np.flatnonzero(np.diff(in_xy.x) > 0), np.flatnonzero(np.diff(in_y.x) > 0)
+    powers = in_xy.c[::-1, :, ::-1]  # (power of x, cell x, power of y, cell y), lowest power first
+    cells = np.zeros((keep_y.size, keep_x.size, 6, 6))
+    cells[:, :, : degree + 1, : degree + 1] = powers[:, keep_x][..., keep_y].transpose(3, 1, 2, 0)
+    breaks_x, breaks_y = np.append(in_xy.x[keep_x], tx[-1 - degree]), np.append(in_y.x[keep_y], ty[-1 - degree])
+    p = np.zeros(8)
+    shape = Surface(kernel.SPLINE, p, breaks_x, breaks_y, cells)
+    _, _, _, fxx, _, fyy = shape.derivatives((breaks_x[0] + breaks_x[-1]) / 2, (breaks_y[0] + breaks_y[-1]) / 2)
+    p[0] = -(fxx + fyy) / 2
+    return Surface(kernel.SPLINE, read_only(p), read_only(breaks_x), read_only(breaks_y), read_only(cells), **pose)
+
+
+def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float, **pose: Any) -> Surface:
+    """Smoothing quintic B-spline through a grid of sags whose last digit was rounded.
+
+    x (nx,), y (ny,): rising, mm; sag (ny, nx): mm, +z to the scene; rounding_step q: mm. The sum of squared residuals is
+    allowed to be that of the rounding, N q^2 / 12. Source: Dierckx 1993, ch. 5.
+    """
+    gx, gy, z = (np.asarray(a, dtype=float) for a in (x, y, sag))
+    fit = RectBivariateSpline(gy, gx, z, kx=5, ky=5, s=z.size * rounding_step**2 / 12)
+    ty, tx, c = fit.tck
+    return bspline(tx, ty, c.reshape(ty.size - 6, tx.size - 6), 5, **pose)
+
+
+def power_noise(rounding_step: float, pitch: float, index: float) -> float:
+    """Expected rms error of astigmatism (D) that the rounding of a grid of sags leaves when it is interpolated.
+
+    rounding_step, pitch: mm. Smoothing as in `fitted_grid` lowers it, so it is an upper estimate. The factor 1.14 was
+    found by fitting rounded samples of a progressive surface.
+    """
+    return 1140.0 * (index - 1.0) * rounding_step / pitch**2
