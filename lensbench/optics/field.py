@@ -90,7 +90,9 @@ class GazeField:
         """The field with the rays `where` (n,) failed with the given status."""
         if not where.any():
             return self
-        blank = {name: np.where(where.reshape(-1, *[1] * (a.ndim - 1)), np.nan, a) for name, a in self._arrays().items()}
+        blank = {
+            name: np.where(where.reshape(-1, *[1] * (a.ndim - 1)), np.nan, a) for name, a in self._arrays().items()
+        }
         return replace(self, status=np.where(where, np.int8(status), self.status), **blank)
 
     def _arrays(self) -> dict[str, Floats]:

@@ -175,8 +175,8 @@ def _newton_step(rays: TracedRays, target: Floats, lever: float) -> tuple[Floats
     frame = listing_frame(rays.direction)
     local = np.einsum("nij,nj->ni", frame, target - rays.exit)
     t = rays.transfer
-    turn_to_offset = t[:, :2, :2] * lever + t[:, :2, 2:] + local[:, 2, None, None] * (
-        t[:, 2:, :2] * lever + t[:, 2:, 2:]
+    turn_to_offset = (
+        t[:, :2, :2] * lever + t[:, :2, 2:] + local[:, 2, None, None] * (t[:, 2:, :2] * lever + t[:, 2:, 2:])
     )
     step = np.einsum("nij,nj->ni", inverse_2x2(turn_to_offset), local[:, :2])
     size = np.linalg.norm(step, axis=1, keepdims=True)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .conventions import Floats, read_only
+from .conventions import Floats, power_matrix, read_only
 from .materials import Material
 from .surfaces import Surface
 
@@ -113,6 +113,10 @@ class Order:
     addition: float = 0.0
     prism: float = 0.0
     prism_base: float = 0.0
+
+    def power(self, near: bool = False) -> Floats:
+        """Ordered power matrix (2, 2), D, for the distance or (with the addition) for the near reference point."""
+        return power_matrix(self.sphere + (self.addition if near else 0.0), self.cylinder, self.axis)
 
 
 class EdgeThickness(NamedTuple):

@@ -5,11 +5,12 @@ is on the eye's side, so a front surface convex to the scene has a positive radi
 """
 
 from dataclasses import dataclass, field
+from math import factorial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline, PPoly, RectBivariateSpline
+from scipy.interpolate import BSpline, RectBivariateSpline
 
 from .conventions import Floats, read_only, rotation_xy
 from .kernels import surface as kernel
@@ -56,6 +57,22 @@ class Surface:
         """Sag f(x, y), mm, surface frame."""
         return self.derivatives(x, y).f
 
+    def describe(self) -> str:
+        """The surface in one line: kind, radii in mm, constants; how it was read, if it was read from points."""
+        if self.kind == kernel.SPLINE:
+            ny, nx = self.cells.shape[:2]
+            return self.note or f"B-spline of {nx} x {ny} cells"
+        along = _radius(self.p[0])
+        if self.kind == kernel.CONIC:
+            terms = " ".join(f"a{4 + 2 * k} = {a:.4g}" for k, a in enumerate(self.p[2:]) if a)
+            conic_constant = f", conic constant {self.p[1]:g}" if self.p[1] else ""
+            kind = "plane" if not (self.p[0] or terms) else "asphere" if terms or conic_constant else "sphere"
+            return kind if kind == "plane" else f"{kind}, {along}{conic_constant} {terms}".rstrip()
+        axis = np.degrees(np.arctan2(self.p[3], self.p[2])) % 180
+        kind = "torus" if self.kind == kernel.TORIC else "biconic"
+        constants = f", conic constants {self.p[4]:g}, {self.p[5]:g}" if self.kind == kernel.BICONIC else ""
+        return f"{kind}, {along} along {axis:g} deg, {_radius(self.p[1])} across{constants}"
+
     def surface_power(self, x: ArrayLike, y: ArrayLike, index: float) -> Floats:
         """Surface power matrices (..., 2, 2) in D at (x, y), as (index - 1) times the curvature seen from the scene.
 
@@ -68,6 +85,10 @@ class Surface:
         tangent = np.stack([1 - fx**2 * k, -fx * fy * k, -fx * fy * k, 1 - fy**2 * k], -1).reshape(*w.shape, 2, 2)
         second_form = np.stack([fxx, fxy, fxy, fyy], -1).reshape(*w.shape, 2, 2) / w[..., None, None]
         return -1000 * (index - 1) * np.swapaxes(tangent, -1, -2) @ second_form @ tangent
+
+
+def _radius(curvature: float) -> str:
+    return f"radius {1 / curvature:.3f} mm" if curvature else "flat"
 
 
 class SagDerivatives(NamedTuple):
@@ -132,19 +153,26 @@ def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, deg
     scene, row j belongs to knots_y. The sag need not vanish at (0, 0): it counts from the surface's vertex frame.
     Source: de Boor 1978, ch. X.
     """
-    tx, ty, c = (np.asarray(a, dtype=float) for a in (knots_x, knots_y, coefficients))
-    in_y = PPoly.from_spline(BSpline(ty, c, degree))
-    in_xy = PPoly.from_spline(BSpline(tx, np.moveaxis(in_y.c, 2, 0), degree))
-    keep_x, keep_y = np.flatnonzero(np.diff(in_xy.x) > 0), np.flatnonzero(np.diff(in_y.x) > 0)
-    powers = in_xy.c[::-1, :, ::-1]  # (power of x, cell x, power of y, cell y), lowest power first
-    cells = np.zeros((keep_y.size, keep_x.size, 6, 6))
-    cells[:, :, : degree + 1, : degree + 1] = powers[:, keep_x][..., keep_y].transpose(3, 1, 2, 0)
-    breaks_x, breaks_y = np.append(in_xy.x[keep_x], tx[-1 - degree]), np.append(in_y.x[keep_y], ty[-1 - degree])
+    c = np.asarray(coefficients, dtype=float)
+    breaks_x, local_x = _local_powers(knots_x, degree)
+    breaks_y, local_y = _local_powers(knots_y, degree)
+    cells = np.ascontiguousarray(np.einsum("bjn,nm,aim->jiba", local_y, c, local_x, optimize=True))
     p = np.zeros(8)
     shape = Surface(kernel.SPLINE, p, breaks_x, breaks_y, cells)
     _, _, _, fxx, _, fyy = shape.derivatives((breaks_x[0] + breaks_x[-1]) / 2, (breaks_y[0] + breaks_y[-1]) / 2)
     p[0] = -(fxx + fyy) / 2
     return Surface(kernel.SPLINE, read_only(p), read_only(breaks_x), read_only(breaks_y), read_only(cells), **pose)
+
+
+def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, Floats]:
+    """Breakpoints (k + 1,) and Taylor coefficients (6, k, n) of the n basis functions at the left end of each cell."""
+    t = np.asarray(knots, dtype=float)
+    basis = BSpline(t, np.eye(t.size - degree - 1), degree)
+    breaks = np.unique(t[degree : t.size - degree])
+    powers = np.zeros((6, breaks.size - 1, t.size - degree - 1))
+    for m in range(degree + 1):
+        powers[m] = basis.derivative(m)(breaks[:-1]) / factorial(m) if m else basis(breaks[:-1])
+    return breaks, powers
 
 
 def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float, **pose: Any) -> Surface:

@@ -37,7 +37,14 @@ def conic(p, x, y):
         depth += a * power * q * q
         power *= q
     mixed = -4 * x * y * second
-    return -depth, -2 * x * first, -2 * y * first, -2 * first - 4 * x * x * second, mixed, -2 * first - 4 * y * y * second
+    return (
+        -depth,
+        -2 * x * first,
+        -2 * y * first,
+        -2 * first - 4 * x * x * second,
+        mixed,
+        -2 * first - 4 * y * y * second,
+    )
 
 
 @inline

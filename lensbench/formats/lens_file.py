@@ -1,0 +1,339 @@
+"""Lens files: format "lensbench-lens/1". Lengths in mm, powers in D, angles in degrees; frames as in optics.conventions."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ..errors import InputError
+from ..optics import lens as optics_lens
+from ..optics import surfaces
+from ..optics.lens import Lens, Order, Outline, Points
+from ..optics.materials import MATERIALS, Material
+from ..optics.surfaces import Surface
+from .point_grid import PointGrid
+from .sdf import read_sdf
+from .toml_file import Table, validated
+
+Pair = tuple[float, float]
+POWER_SIGN = {"front": 1.0, "back": -1.0}
+
+
+class SurfaceTable(Table):
+    """Pose of any surface: decentration (mm) of its vertex and tilt (degrees about x, about y) of its axis in the lens."""
+
+    decentration: Pair = (0.0, 0.0)
+    tilt: Pair = (0.0, 0.0)
+
+    def pose(self) -> dict[str, Any]:
+        """The pose as the surface functions take it."""
+        return {"decentration": self.decentration, "tilt": (np.radians(self.tilt[0]), np.radians(self.tilt[1]))}
+
+
+class Plane(SurfaceTable):
+    """A plane."""
+
+    type: Literal["plane"]
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        return surfaces.plane(**self.pose())
+
+
+class OneCurvature(SurfaceTable):
+    """radius (mm), curvature (1/mm) or power (D) at an index; radius > 0: centre of curvature on the eye's side."""
+
+    radius: float | None = None
+    curvature: float | None = None
+    power: float | None = None
+    index: float | None = Field(None, gt=1, lt=3)
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "OneCurvature":
+        _check_one_way(self.radius, self.curvature, self.power, self.index)
+        return self
+
+    def vertex_curvature(self, face: str, index: float) -> float:
+        """Curvature at the vertex, 1/mm."""
+        return _curvature(face, self.radius, self.curvature, self.power, self.index or index)
+
+
+class Sphere(OneCurvature):
+    """A sphere."""
+
+    type: Literal["sphere"]
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        return surfaces.conic(self.vertex_curvature(face, index), **self.pose())
+
+
+class Conic(OneCurvature):
+    """A conic of revolution; asphere: even terms a4, a6, ... in mm^-3, mm^-5, ..., positive towards the eye."""
+
+    type: Literal["conic"]
+    conic_constant: float = 0.0
+    asphere: list[float] = Field(default_factory=list, max_length=6)
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        return surfaces.conic(self.vertex_curvature(face, index), self.conic_constant, self.asphere, **self.pose())
+
+
+class TwoCurvatures(SurfaceTable):
+    """Pairs along and across the meridian `axis` (degrees): radius, curvature or power at an index."""
+
+    axis: float = Field(ge=0, le=180)
+    radius: Pair | None = None
+    curvature: Pair | None = None
+    power: Pair | None = None
+    index: float | None = Field(None, gt=1, lt=3)
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "TwoCurvatures":
+        for k in range(2):
+            _check_one_way(*(v and v[k] for v in (self.radius, self.curvature, self.power)), self.index)
+        return self
+
+    def vertex_curvatures(self, face: str, index: float) -> Pair:
+        """Curvatures at the vertex along and across the axis meridian, 1/mm."""
+        n = self.index or index
+        along, across = (
+            _curvature(face, *(v and v[k] for v in (self.radius, self.curvature, self.power)), n) for k in range(2)
+        )
+        return along, across
+
+
+class Toric(TwoCurvatures):
+    """A true torus: the arc along the axis meridian, turned about a line across it."""
+
+    type: Literal["toric"]
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        return surfaces.toric(*self.vertex_curvatures(face, index), self.axis, **self.pose())
+
+
+class Biconic(TwoCurvatures):
+    """A biconic: conic constants along and across the axis meridian."""
+
+    type: Literal["biconic"]
+    conic_constant: Pair = (0.0, 0.0)
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        return surfaces.biconic(*self.vertex_curvatures(face, index), self.axis, *self.conic_constant, **self.pose())
+
+
+class Grid(SurfaceTable):
+    """A point file beside the lens file. first_point: corner of its first value, seen from the front of the wearer.
+
+    rows: "horizontal" or "vertical"; z_towards: the side to which the file counts positive.
+    """
+
+    type: Literal["grid"]
+    file: str
+    first_point: Literal["top-left", "top-right", "bottom-left", "bottom-right"] = "top-left"
+    rows: Literal["horizontal", "vertical"] = "horizontal"
+    z_towards: Literal["eye", "scene"] = "eye"
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        grid = read_grid(folder / self.file)
+        return grid.surface(self.first_point, self.rows, self.z_towards, index, **self.pose())
+
+
+class BSpline(SurfaceTable):
+    """A tensor B-spline: full knot vectors (mm), coefficients[row of y][column of x] (mm, + towards the scene)."""
+
+    type: Literal["bspline"]
+    degree: int = Field(ge=2, le=5)
+    knots_x: list[float]
+    knots_y: list[float]
+    coefficients: list[list[float]]
+
+    @model_validator(mode="after")
+    def _counts(self) -> "BSpline":
+        ny, widths = len(self.coefficients), {len(row) for row in self.coefficients}
+        for name, knots, count in (("knots_y", self.knots_y, {ny}), ("knots_x", self.knots_x, widths)):
+            if count != {len(knots) - self.degree - 1} or len(knots) < 2 * self.degree + 2:
+                raise ValueError(
+                    f"{name}: {len(knots)} knots of degree {self.degree} do not fit {sorted(count)} coefficients"
+                )
+            if np.any(np.diff(knots) < 0) or knots[self.degree] >= knots[-1 - self.degree]:
+                raise ValueError(f"{name}: knots must rise")
+        return self
+
+    def build(self, face: str, index: float, folder: Path) -> Surface:
+        """The surface."""
+        return surfaces.bspline(self.knots_x, self.knots_y, self.coefficients, self.degree, **self.pose())
+
+
+AnySurface = Annotated[
+    Plane | Sphere | Conic | Toric | Biconic | Grid | BSpline, Field(discriminator="type")
+]  # fmt: skip
+
+
+def _check_one_way(radius: float | None, curvature: float | None, power: float | None, index: float | None) -> None:
+    if sum(v is not None for v in (radius, curvature, power)) != 1:
+        raise ValueError("give exactly one of radius (mm), curvature (1/mm) and power (D, with its index)")
+    if radius == 0:
+        raise ValueError("radius: 0 is no radius; a plane has type = 'plane'")
+    if index is not None and power is None:
+        raise ValueError("index: belongs to power (D) only")
+
+
+def _curvature(face: str, radius: float | None, curvature: float | None, power: float | None, index: float) -> float:
+    if radius is not None:
+        return 1.0 / radius
+    return curvature if curvature is not None else POWER_SIGN[face] * float(power or 0.0) / (1000 * (index - 1))
+
+
+class MaterialTable(Table):
+    """A material by its own numbers; density in g/cm3."""
+
+    name: str
+    n_d: float = Field(gt=1, lt=3)
+    n_e: float = Field(gt=1, lt=3)
+    abbe: float = Field(gt=10, lt=120)
+    density: float = Field(gt=0.5, lt=10)
+
+
+class OutlineTable(Table):
+    """shape "circle" (diameter), "ellipse" or "box" (width, height) or "points" ([[x, y], ...]); centre; all mm."""
+
+    shape: Literal["circle", "ellipse", "box", "points"]
+    diameter: float | None = Field(None, gt=0, le=200)
+    width: float | None = Field(None, gt=0, le=200)
+    height: float | None = Field(None, gt=0, le=200)
+    points: list[Pair] | None = Field(None, min_length=3)
+    centre: Pair | None = None
+
+    @model_validator(mode="after")
+    def _complete(self) -> "OutlineTable":
+        needed = {"circle": ("diameter",), "points": ("points",)}.get(self.shape, ("width", "height"))
+        for key in ("diameter", "width", "height", "points"):
+            if (getattr(self, key) is not None) != (key in needed):
+                raise ValueError(f"shape = {self.shape!r} needs {' and '.join(needed)} and nothing else")
+        self.build()
+        return self
+
+    def build(self) -> Outline:
+        """The outline."""
+        if self.shape == "points":
+            return optics_lens.polygon_outline(np.array(self.points), self.centre)
+        if self.shape == "circle":
+            return optics_lens.circle_outline(self.diameter or 0.0, self.centre or (0.0, 0.0))
+        make = optics_lens.ellipse_outline if self.shape == "ellipse" else optics_lens.box_outline
+        return make(self.width or 0.0, self.height or 0.0, self.centre or (0.0, 0.0))
+
+
+class PointsTable(Table):
+    """Reference points on the front surface, [x, y] in mm; near_inset: mm towards the nose."""
+
+    fitting_point: Pair = (0.0, 0.0)
+    prism_reference_point: Pair = (0.0, 0.0)
+    distance_reference_point: Pair | None = None
+    near_reference_point: Pair | None = None
+    near_inset: float | None = None
+
+
+class OrderTable(Table):
+    """Ordered power: sphere, cylinder, addition (D), axis (degrees), prism (cm/m), prism_base (degrees)."""
+
+    sphere: float = 0.0
+    cylinder: float = 0.0
+    axis: float = Field(180.0, ge=0, le=180)
+    addition: float = Field(0.0, ge=0, le=5)
+    prism: float = Field(0.0, ge=0, le=20)
+    prism_base: float = Field(0.0, ge=0, le=360)
+
+
+class LensTable(Table):
+    """The whole file."""
+
+    format: Literal["lensbench-lens/1"]
+    name: str = ""
+    side: Literal["R", "L"]
+    material: str | MaterialTable
+    wavelength: Literal["d", "e"] = "e"
+    centre_thickness: float = Field(gt=0, le=50)
+    outline: OutlineTable
+    front: AnySurface
+    back: AnySurface
+    points: PointsTable = PointsTable()
+    ordered: OrderTable | None = None
+
+
+def build_lens(path: Path, data: dict[str, Any]) -> Lens:
+    """The lens of a lens file's tables, checked for thickness over its whole outline. Raises InputError."""
+    table = validated(path, data, LensTable)
+    material = _material(path, table.material)
+    index = material.index(table.wavelength)
+    lens = Lens(
+        front=table.front.build("front", index, path.parent),
+        back=table.back.build("back", index, path.parent),
+        centre_thickness=table.centre_thickness,
+        material=material,
+        outline=table.outline.build(),
+        side=table.side,
+        wavelength=table.wavelength,
+        points=Points(**table.points.model_dump()),
+        ordered=None if table.ordered is None else Order(**table.ordered.model_dump()),
+        name=table.name or path.stem,
+    )
+    _check_inset(path, lens)
+    _check_thickness(path, lens)
+    return lens
+
+
+def _material(path: Path, material: str | MaterialTable) -> Material:
+    if isinstance(material, MaterialTable):
+        return Material(**material.model_dump())
+    if material not in MATERIALS:
+        raise InputError(
+            f"{path}: material: {material!r} is not known; there are {', '.join(MATERIALS)}, or give its numbers"
+        )
+    return MATERIALS[material]
+
+
+def _check_inset(path: Path, lens: Lens) -> None:
+    near, inset = lens.points.near_reference_point, lens.points.near_inset
+    if near is None or inset is None:
+        return
+    wanted = lens.points.prism_reference_point[0] + (inset if lens.side == "R" else -inset)
+    if abs(near[0] - wanted) > 0.05:
+        raise InputError(
+            f"{path}: points.near_inset: {inset:g} mm towards the nose of a {lens.side} lens puts the near reference point "
+            f"at x = {wanted:g}, but near_reference_point says {near[0]:g}"
+        )
+
+
+def _check_thickness(path: Path, lens: Lens) -> None:
+    inner_x, inner_y, _ = lens.disc_points(12, 72)
+    edge_x, edge_y = lens.outline.points()
+    x, y = np.append(inner_x.ravel(), edge_x), np.append(inner_y.ravel(), edge_y)
+    for face, height in (("front", lens.front_height(x, y)), ("back", lens.back_height(x, y))):
+        if np.isnan(height).any():
+            k = int(np.argmax(np.isnan(height)))
+            raise InputError(
+                f"{path}: {face}: the surface does not reach the outline at x = {x[k]:.1f}, y = {y[k]:.1f} mm"
+            )
+    thickness = lens.thickness(x, y)
+    k = int(np.argmin(thickness))
+    if thickness[k] <= 0:
+        least = lens.centre_thickness - thickness[k]
+        raise InputError(
+            f"{path}: centre_thickness: the lens is {thickness[k]:.2f} mm thick at x = {x[k]:.1f}, y = {y[k]:.1f} mm; "
+            f"with these surfaces it must be more than {least:.2f} mm at the centre"
+        )
+
+
+def read_grid(path: Path) -> PointGrid:
+    """The first point grid of a surface file. Raises InputError."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    if path.suffix.lower() != ".sdf":
+        raise InputError(f"{path}: {path.suffix or 'a file without extension'} is not read; point files are .sdf")
+    return read_sdf(path)[0]

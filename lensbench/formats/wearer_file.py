@@ -1,0 +1,87 @@
+"""Wearer files: format "lensbench-wearer/1". Lengths in mm, powers in D, angles in degrees, age in years."""
+
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from ..optics.conventions import power_matrix, read_only
+from ..optics.eye import Eye, Wear, Wearer, hofstetter_amplitude, watson_yellott_pupil
+from .toml_file import Table, validated
+
+
+class RefractionTable(Table):
+    """Far prescription: sphere, cylinder (D), axis (degrees TABO), measured vertex_distance mm before the cornea."""
+
+    sphere: float = Field(0.0, ge=-40, le=40)
+    cylinder: float = Field(0.0, ge=-20, le=20)
+    axis: float = Field(180.0, ge=0, le=180)
+    vertex_distance: float = Field(12.0, ge=0, le=30)
+
+
+class EyeTable(Table):
+    """accommodation: amplitude, D. pupil_diameter: entrance pupil, mm; or luminance, cd/m2, over field_area, deg2.
+
+    centre_of_rotation, entrance_pupil: mm behind the corneal apex.
+    """
+
+    accommodation: float | None = Field(None, ge=0, le=20)
+    pupil_diameter: float | None = Field(None, gt=0, le=10)
+    luminance: float | None = Field(None, gt=0, le=1e6)
+    field_area: float = Field(3600.0, gt=0, le=30000)
+    centre_of_rotation: float = Field(13.5, gt=5, le=25)
+    entrance_pupil: float = Field(3.05, ge=0, lt=5)
+
+    @model_validator(mode="after")
+    def _one_pupil(self) -> "EyeTable":
+        if (self.pupil_diameter is None) == (self.luminance is None):
+            raise ValueError("give either pupil_diameter (mm) or luminance (cd/m2)")
+        return self
+
+
+class WearTable(Table):
+    """vertex_distance, decentration, pupillary_distance (monocular), near_distance (from the cornea): mm; angles: degrees."""
+
+    vertex_distance: float = Field(13.0, gt=0, le=40)
+    pantoscopic_angle: float = Field(0.0, ge=-45, le=45)
+    face_form_angle: float = Field(0.0, ge=-45, le=45)
+    decentration: tuple[float, float] = (0.0, 0.0)
+    pupillary_distance: float = Field(32.0, gt=0, le=60)
+    near_distance: float = Field(400.0, ge=100, le=2000)
+
+
+class WearerTable(Table):
+    """The whole file."""
+
+    format: Literal["lensbench-wearer/1"]
+    name: str = ""
+    age: float | None = Field(None, ge=0, le=120)
+    refraction: RefractionTable = RefractionTable()
+    eye: EyeTable
+    wear: WearTable = WearTable()
+
+    @model_validator(mode="after")
+    def _age_or_amplitude(self) -> "WearerTable":
+        if self.age is None and self.eye.accommodation is None:
+            raise ValueError("give age (years) or eye.accommodation (D)")
+        if self.age is None and self.eye.luminance is not None:
+            raise ValueError("eye.luminance needs age (years): the pupil depends on both")
+        return self
+
+
+def build_wearer(path: Path, data: dict[str, Any]) -> Wearer:
+    """The wearer of a wearer file's tables. Raises InputError."""
+    t = validated(path, data, WearerTable)
+    amplitude = t.eye.accommodation if t.eye.accommodation is not None else float(hofstetter_amplitude(t.age))
+    pupil = t.eye.pupil_diameter
+    if pupil is None:
+        pupil = float(watson_yellott_pupil(t.eye.luminance, t.age, t.eye.field_area))
+    r, w = t.refraction, t.wear
+    eye = Eye(
+        read_only(power_matrix(r.sphere, r.cylinder, r.axis)), r.vertex_distance, amplitude, pupil,
+        t.eye.centre_of_rotation, t.eye.entrance_pupil,
+    )  # fmt: skip
+    angles = float(np.radians(w.pantoscopic_angle)), float(np.radians(w.face_form_angle))
+    wear = Wear(w.vertex_distance, *angles, w.decentration, w.pupillary_distance, w.near_distance)
+    return Wearer(eye, wear, t.name or path.stem, t.age)

@@ -1,0 +1,227 @@
+"""From a lens and a wearer to a folder with index.html (self-contained), the pictures and results.json."""
+
+import base64
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from datetime import date
+from importlib.resources import files
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..optics.conventions import VERSION, Status
+from ..optics.eye import Wearer
+from ..optics.lens import Lens
+from ..output import to_json, write_file
+from ..workbench import (
+    EllipseLayer,
+    EllipseSheet,
+    LensMap,
+    MapLayer,
+    PointReading,
+    PointsLayer,
+    Profile,
+    ProfileLayer,
+    Request,
+    ViewLayer,
+    run,
+)
+from .facts import Fact, lens_facts, wearer_facts
+from .progress import Progress
+from .tables import distance_text
+
+DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
+LOOKS = {"far": 0.0, "intermediate": -11.0, "near": -27.0}
+EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
+PASSES = {"lens": 32, "naked": 32, "pinhole": 8}
+UNITS = {
+    "x": "mm", "y": "mm", "depth": "mm", "distance": "mm", "semi_major": "mm", "semi_minor": "mm",
+    "azimuth": "degrees, towards the wearer's left", "elevation": "degrees, upwards", "axis": "degrees TABO",
+    "prism_base": "degrees TABO, 0 to 360", "prism": "cm/m", "orientation": "rad",
+    "sphere": "D", "cylinder": "D", "mean_power": "D", "least_power": "D", "greatest_power": "D", "astigmatism": "D",
+    "mean_error": "D", "astigmatic_error": "D", "accommodation": "D",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """All numbers of a report."""
+
+    lens: list[Fact]
+    wearer: list[Fact]
+    readings: tuple[PointReading, ...]
+    profile: Profile
+    maps: dict[str, LensMap]
+    defocus: dict[float | str, LensMap]
+    ellipses: tuple[EllipseSheet, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture of the report: file name, caption, PNG bytes."""
+
+    name: str
+    caption: str
+    png: bytes
+
+    @property
+    def data_uri(self) -> str:
+        """The picture as the page holds it."""
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+def build_report(lens: Lens, wearer: Wearer, folder: Path, distances: Sequence[float], progress: Progress) -> None:
+    """Write the report of a lens as this wearer wears it. distances: of the objects of the defocus maps, mm."""
+    from ..scenes.builtin import load_scene
+
+    progress.step("scene")
+    scene = load_scene("room")
+    progress.step("trace")
+    findings = find(lens, wearer, distances, scene)
+    progress.step("maps")
+    pictures = flat_pictures(lens, findings)
+    progress.step("lens and ellipses in space")
+    pictures |= spatial_pictures(lens, wearer, findings)
+    for look, elevation in LOOKS.items():
+        progress.step(f"view {look}")
+        pictures[f"view_{look}"] = view_picture(lens, wearer, scene, look, elevation)
+    progress.step("page")
+    for picture in pictures.values():
+        write_file(folder / picture.name, picture.png)
+    write_file(folder / "results.json", to_json(results(findings)))
+    write_file(folder / "index.html", page(lens, wearer, findings, pictures))
+
+
+def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> Findings:
+    """Run every request of the report."""
+
+    def ask(layer: Any) -> Any:
+        return run(Request(lens, wearer, layer, scene))
+
+    names = ("mean_power", "astigmatism", "mean_error", "prism", "thickness")
+    return Findings(
+        lens_facts(lens),
+        wearer_facts(wearer),
+        ask(PointsLayer()),
+        ask(ProfileLayer()),
+        {name: ask(MapLayer(name)) for name in names},
+        {d: ask(MapLayer("defocus", d)) for d in [*distances, "scene"]},
+        ask(EllipseLayer()),
+    )
+
+
+def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
+    """Maps, profile and sections as flat figures."""
+    from ..views.maps import map_figure, profile_figure, section_figure
+
+    pictures = {
+        name: _figure(name, f"{lens_map.label}", map_figure(lens, lens_map, subtitle=_map_subtitle(name)))
+        for name, lens_map in findings.maps.items()
+    }
+    pictures["profile"] = _figure(
+        "profile",
+        "Power profile along the main meridian",
+        profile_figure(lens, findings.profile, "objects at infinity"),
+    )
+    pictures["section"] = _figure("section", "Vertical and horizontal section", section_figure(lens))
+    return pictures
+
+
+def _map_subtitle(name: str) -> str:
+    return {
+        "thickness": "along the lens's axis",
+        "mean_error": "less the wearer's refraction; objects at infinity",
+    }.get(name, "objects at infinity")
+
+
+def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Picture]:
+    """Defocus maps on the lens in space, all on one scale, and the ellipses of confusion."""
+    from ..views.lens3d import ellipse_layers, map_on_lens
+    from ..views.maps import shared_limits
+
+    limits = shared_limits(list(findings.defocus.values()))
+    pictures = {}
+    for k, (distance, lens_map) in enumerate(findings.defocus.items()):
+        text = distance_text(distance)
+        picture = map_on_lens(lens, wearer, lens_map, limits=limits, subtitle=text)
+        pictures[f"defocus_{k}"] = _array(f"defocus_{k}", f"Defocus map, {text}", picture)
+    layers = ellipse_layers(lens, wearer, findings.ellipses)
+    pictures["ellipses"] = _array("ellipses", "Ellipses of confusion", layers)
+    return pictures
+
+
+def view_picture(lens: Lens, wearer: Wearer, scene: Any, look: str, elevation: float) -> Picture:
+    """The scene looking far, intermediate or near: with the lens, without it, and sharp through a pinhole."""
+    from ..views.jitter import render_view, side_by_side
+
+    panels = []
+    for eye, title in EYES.items():
+        seen = run(Request(lens, wearer, ViewLayer(eye, elevation=math.radians(elevation)), scene))
+        panels.append((title, render_view(seen, PASSES[eye])))
+    caption = f"Looking {look}: gaze {elevation:+.0f}° at the centre, 50° wide"
+    return _array(f"view_{look}", caption, side_by_side(panels, caption))
+
+
+def _figure(name: str, caption: str, figure: Any) -> Picture:
+    buffer = BytesIO()
+    figure.savefig(buffer, format="png")
+    return Picture(f"{name}.png", caption, buffer.getvalue())
+
+
+def _array(name: str, caption: str, pixels: Any) -> Picture:
+    from PIL import Image
+
+    buffer = BytesIO()
+    Image.fromarray(pixels).save(buffer, format="png", compress_level=6)
+    return Picture(f"{name}.png", caption, buffer.getvalue())
+
+
+def results(findings: Findings) -> dict[str, Any]:
+    """Everything that the report shows as numbers, for machines."""
+    return {
+        "format": "lensbench-results/1",
+        "lensbench": __version__,
+        "conventions": VERSION,
+        "units": UNITS,
+        "status": {s.name: s.value for s in Status},
+        "lens": {f.label: f.value for f in findings.lens},
+        "wearer": {f.label: f.value for f in findings.wearer},
+        "reference_points": [asdict(r) for r in findings.readings],
+        "profile": asdict(findings.profile),
+        "maps": {name: asdict(m) for name, m in findings.maps.items()},
+        "defocus": {distance_text(d): asdict(m) for d, m in findings.defocus.items()},
+        "ellipses": [
+            {k: v for k, v in asdict(sheet).items() if k != "spokes"} for sheet in findings.ellipses
+        ],
+    }  # fmt: skip
+
+
+def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Picture]) -> str:
+    """The report as one HTML page that needs no other file."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string(files(__package__).joinpath("template.html").read_text(encoding="utf-8"))
+    return template.render(
+        lens=lens,
+        wearer=wearer,
+        findings=findings,
+        pictures=pictures,
+        looks=LOOKS,
+        inf=math.inf,
+        failed={name: _failed(m) for name, m in findings.maps.items() if _failed(m)},
+        today=date.today().isoformat(),
+        version=__version__,
+        conventions=VERSION,
+    )
+
+
+def _failed(lens_map: LensMap) -> str:
+    """Which share of a map's rays failed, in words; empty when none did."""
+    inside = lens_map.status[lens_map.status != Status.OUTSIDE_OUTLINE]
+    counts = {s: int(np.sum(inside == s)) for s in Status if s != Status.OK and np.any(inside == s)}
+    return ", ".join(f"{n / inside.size:.1%} {s.name.lower().replace('_', ' ')}" for s, n in counts.items())

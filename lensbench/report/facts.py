@@ -1,0 +1,105 @@
+"""What there is to say in words about a lens and a wearer: labels, values and units, for `check` and for the report."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..formats.point_grid import PointGrid
+from ..optics.conventions import Floats, sphere_cylinder_axis
+from ..optics.eye import Wearer
+from ..optics.lens import Lens
+
+
+class Fact(NamedTuple):
+    """label, value as text with its unit, and the numbers behind it (JSON-ready, units named in the label or value)."""
+
+    label: str
+    text: str
+    value: object
+
+
+def prescription_text(matrix: Floats) -> str:
+    """A power matrix (2, 2) in D as written in a prescription: sphere / cylinder x axis."""
+    sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(matrix))
+    if abs(cylinder) < 0.005:
+        return f"{sphere:+.2f} D"
+    return f"{sphere:+.2f} / {cylinder:+.2f} x {axis:.0f} D"
+
+
+def file_facts(found: Lens | Wearer | PointGrid) -> list[Fact]:
+    """What a file holds."""
+    if isinstance(found, Lens):
+        return [Fact("File", "a lens", "lens"), *lens_facts(found)]
+    if isinstance(found, Wearer):
+        return [Fact("File", "a wearer", "wearer"), *wearer_facts(found)]
+    return [
+        Fact("File", f"a surface: side {found.side or '?'}, face {found.face or '?'}", "surface"),
+        Fact("Points", found.describe(1.6), found.values.shape),
+        Fact(
+            "Sag", f"{found.values.min():.4f} to {found.values.max():.4f} mm", [found.values.min(), found.values.max()]
+        ),
+    ]
+
+
+def lens_facts(lens: Lens) -> list[Fact]:
+    """The lens: material, surfaces, thicknesses (mm), weight (g), outline (mm), order."""
+    m, edge = lens.material, lens.minimum_edge_thickness()
+    x, y = lens.outline.points()
+    thickest = float(np.nanmax(lens.thickness(x, y)))
+    x0, x1, y0, y1 = lens.outline.box
+    weight = lens.weight()
+    facts = [
+        Fact("Name", lens.name, lens.name),
+        Fact("Side", {"R": "right", "L": "left"}[lens.side], lens.side),
+        Fact(
+            "Material",
+            f"{m.name}: n_{lens.wavelength} = {lens.index:g}, Abbe number {m.abbe:g}, {m.density:g} g/cm³",
+            {"name": m.name, "n_d": m.n_d, "n_e": m.n_e, "abbe": m.abbe, "density_g_cm3": m.density},
+        ),
+        Fact("Front surface", lens.front.describe(), lens.front.describe()),
+        Fact("Back surface", lens.back.describe(), lens.back.describe()),
+        Fact("Centre thickness", f"{lens.centre_thickness:.2f} mm", lens.centre_thickness),
+        Fact(
+            "Minimum edge thickness",
+            f"{edge.thickness:.2f} mm at x = {edge.x:.1f}, y = {edge.y:.1f} mm",
+            {"mm": edge.thickness, "x_mm": edge.x, "y_mm": edge.y},
+        ),
+        Fact("Maximum edge thickness", f"{thickest:.2f} mm", thickest),
+        Fact("Weight", f"{weight:.1f} g", weight),
+        Fact("Outline", f"{x1 - x0:.1f} x {y1 - y0:.1f} mm", [x1 - x0, y1 - y0]),
+    ]
+    if lens.ordered is not None:
+        o = lens.ordered
+        addition = f", addition {o.addition:.2f} D" if o.addition else ""
+        prism = f", prism {o.prism:.2f} cm/m base {o.prism_base:.0f}°" if o.prism else ""
+        facts.append(
+            Fact(
+                "Ordered power",
+                prescription_text(o.power()) + addition + prism,
+                {name: getattr(o, name) for name in ("sphere", "cylinder", "axis", "addition", "prism", "prism_base")},
+            )
+        )
+    return facts
+
+
+def wearer_facts(wearer: Wearer) -> list[Fact]:
+    """The wearer: refraction and accommodation (D), pupil and distances (mm), angles (degrees)."""
+    eye, wear = wearer.eye, wearer.wear
+    refraction = prescription_text(eye.refraction)
+    panto, face = float(np.degrees(wear.pantoscopic_angle)), float(np.degrees(wear.face_form_angle))
+    facts = [Fact("Name", wearer.name, wearer.name)]
+    if wearer.age is not None:
+        facts.append(Fact("Age", f"{wearer.age:g} years", wearer.age))
+    return [
+        *facts,
+        Fact("Refraction", f"{refraction}, {eye.refraction_vertex_distance:g} mm before the cornea", refraction),
+        Fact("Refraction at the pupil", prescription_text(eye.pupil_refraction), eye.pupil_refraction),
+        Fact("Amplitude of accommodation", f"{eye.accommodation:.2f} D", eye.accommodation),
+        Fact("Pupil diameter", f"{eye.pupil_diameter:.2f} mm", eye.pupil_diameter),
+        Fact("Vertex distance", f"{wear.vertex_distance:g} mm", wear.vertex_distance),
+        Fact("Pantoscopic angle", f"{panto:.1f}°", panto),
+        Fact("Face-form angle", f"{face:.1f}°", face),
+        Fact("Centre of rotation", f"{eye.centre_of_rotation:g} mm behind the cornea", eye.centre_of_rotation),
+        Fact("Entrance pupil", f"{eye.entrance_pupil:g} mm behind the cornea", eye.entrance_pupil),
+        Fact("Near distance", f"{wear.near_distance:g} mm from the cornea", wear.near_distance),
+    ]

@@ -1,0 +1,60 @@
+"""Results as rows of numbers with units: CSV, and plain dictionaries for JSON."""
+
+import csv
+import io
+import math
+from typing import Any
+
+import numpy as np
+
+from ..optics.conventions import Status
+from ..workbench import EllipseSheet, LensMap
+
+
+def distance_text(distance: float | str) -> str:
+    """An object distance (mm) for a reader."""
+    if isinstance(distance, str):
+        return "objects of the scene"
+    if math.isinf(distance):
+        return "objects at infinity"
+    return f"objects at {distance / 1000:g} m" if distance >= 1000 else f"objects at {distance / 10:g} cm"
+
+
+def map_csv(lens_map: LensMap) -> str:
+    """x_mm, y_mm, the quantity with its unit, status: one line a sample within the outline."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["x_mm", "y_mm", f"{lens_map.quantity}_{lens_map.unit}", "status"])
+    for j, i in np.argwhere(lens_map.status != Status.OUTSIDE_OUTLINE):
+        value, status = lens_map.values[j, i], Status(lens_map.status[j, i])
+        writer.writerow([f"{lens_map.x[i]:.4f}", f"{lens_map.y[j]:.4f}", f"{value:.6g}", status.name])
+    return out.getvalue()
+
+
+def ellipse_rows(sheets: tuple[EllipseSheet, ...]) -> list[dict[str, Any]]:
+    """One dictionary an ellipse: depth, centre, semi-axes (mm), orientation (degrees), accommodation (D), status."""
+    return [
+        {
+            "depth_mm": sheet.depth,
+            "x_mm": sheet.centre[k, 0],
+            "y_mm": sheet.centre[k, 1],
+            "z_mm": sheet.centre[k, 2],
+            "semi_major_mm": sheet.semi_major[k],
+            "semi_minor_mm": sheet.semi_minor[k],
+            "orientation_deg": np.degrees(sheet.orientation[k]),
+            "accommodation_D": sheet.accommodation[k],
+            "status": Status(sheet.status[k]).name,
+        }
+        for sheet in sheets
+        for k in range(len(sheet.status))
+    ]
+
+
+def ellipses_csv(sheets: tuple[EllipseSheet, ...]) -> str:
+    """The rows of `ellipse_rows` as CSV."""
+    rows = ellipse_rows(sheets)
+    out = io.StringIO()
+    writer = csv.DictWriter(out, rows[0], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
+    return out.getvalue()

@@ -1,0 +1,463 @@
+"""The application layer: a Request (a lens, a wearer, one layer, a scene) goes in, a Result of plain arrays comes out.
+
+The command line, the report and the window all build Requests and call run(); none of them computes. No Qt, no VTK.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import InputError
+from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, read_only, unit
+from .optics.eye import Eye, Wear, Wearer
+from .optics.field import Accommodation, GazeField
+from .optics.gaze import (
+    GazeGrid,
+    angles_from_direction,
+    direction_from_angles,
+    look_at,
+    look_through,
+    trace,
+    worn_pose,
+)
+from .optics.lens import Lens, Order, Outline
+from .scenes.scene import Part, Scene
+
+# ---- layers: what can be asked for ----
+
+
+@dataclass(frozen=True, slots=True)
+class MapLayer:
+    """A quantity over the front surface. distance: mm from the front surface, inf, or "scene" (first hit of each ray)."""
+
+    quantity: str
+    distance: float | str = np.inf
+    accommodation: Accommodation = "retina"
+    samples: int = 121
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileLayer:
+    """As-worn power along the lens's main meridian, for objects at `distance` mm."""
+
+    distance: float = np.inf
+    samples: int = 121
+
+
+@dataclass(frozen=True, slots=True)
+class PointsLayer:
+    """As-worn power at the reference points. The near reference point is read at the wearer's near distance."""
+
+
+@dataclass(frozen=True, slots=True)
+class EllipseLayer:
+    """Ellipses of confusion on planes straight ahead, at depths (mm) from the back vertex, on an n x n gaze grid."""
+
+    depths: tuple[float, ...] = (270.0, 780.0, 3400.0)
+    n: int = 32
+    half_angle: float = float(np.radians(28.0))
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
+class VoxelLayer:
+    """Blur matrices in the voxels of a view frustum: nx x ny gazes, nz planes equally spaced in NDC depth.
+
+    near, far: mm ahead of the centre of rotation. half_angle: rad. Kakimoto, Tatsukawa & Nishita 2010, section 4.
+    """
+
+    nx: int
+    ny: int
+    nz: int
+    near: float = 200.0
+    far: float = 10000.0
+    half_angle: float = float(np.radians(28.0))
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
+class ViewLayer:
+    """What the turning eye sees of the scene. eye: "lens", "naked", or "pinhole" (through the lens, nothing blurred).
+
+    azimuth, elevation: gaze at the picture's centre, rad. half_width: rad. size: pixels (width, height).
+    """
+
+    eye: str = "lens"
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    half_width: float = float(np.radians(25.0))
+    size: tuple[int, int] = (640, 480)
+    accommodation: Accommodation = "retina"
+
+
+Layer = MapLayer | ProfileLayer | PointsLayer | EllipseLayer | VoxelLayer | ViewLayer
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Request:
+    """One question to the optics. lens None: the naked eye (views and ellipses only). scene: for what needs one."""
+
+    lens: Lens | None
+    wearer: Wearer
+    layer: Layer
+    scene: Scene | None = None
+
+
+def assumed_wearer(lens: Lens) -> Wearer:
+    """The wearer whom the lens's order suggests, for when none is given.
+
+    Refraction as ordered; accommodation 2 (2.5 D - addition): a near distance of 40 cm with half of the amplitude kept
+    in reserve; 4 mm pupil; average position of wear (13 mm, pantoscopic 8 degrees, face form 5 degrees).
+    """
+    order = lens.ordered or Order()
+    wear = Wear(13.0, float(np.radians(8.0)), float(np.radians(5.0)))
+    eye = Eye(read_only(order.power()), wear.vertex_distance, max(0.0, 2 * (2.5 - order.addition)), 4.0)
+    return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
+
+
+# ---- results ----
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LensMap:
+    """values, status (ny, nx) of a quantity at lens points x (nx,), y (ny,) mm on the front surface; NaN where not OK."""
+
+    quantity: str
+    label: str
+    unit: str
+    x: Floats
+    y: Floats
+    values: Floats
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile:
+    """Power along the meridian: lens points x, y (n,) mm; mean, least and greatest as-worn power and astigmatism (n,) D."""
+
+    x: Floats
+    y: Floats
+    mean_power: Floats
+    least_power: Floats
+    greatest_power: Floats
+    astigmatism: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class PointReading:
+    """As-worn reading at a reference point. Lens point mm, gaze degrees, powers D, prism cm/m, axis and base degrees.
+
+    mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D.
+    """
+
+    name: str
+    x: float
+    y: float
+    azimuth: float
+    elevation: float
+    distance: float
+    sphere: float
+    cylinder: float
+    axis: float
+    mean_power: float
+    astigmatism: float
+    prism: float
+    prism_base: float
+    mean_error: float | None
+    astigmatic_error: float | None
+    status: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EllipseSheet:
+    """Ellipses on one plane at `depth` mm. centre (n, 3) mm; spokes (n, 3, 2): images of the pupil's unit vectors, mm.
+
+    semi_major, semi_minor (n,) mm; orientation (n,) rad; accommodation (n,) D; status (n,).
+    """
+
+    depth: float
+    centre: Floats
+    spokes: Floats
+    semi_major: Floats
+    semi_minor: Floats
+    orientation: Floats
+    accommodation: Floats
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VoxelField:
+    """blur (nz, ny, nx, 2, 2) mm across the outgoing rays; u (nx,), v (ny,): tangents of the gaze; depth (nz,): mm ahead
+    of the centre of rotation; status (ny, nx). NaN where a ray failed or the plane lies behind the lens.
+    """
+
+    u: Floats
+    v: Floats
+    depth: Floats
+    blur: Floats
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenPart:
+    """A part as the eye sees it. gaze (n, 3): apparent unit directions, wear frame; reach (n,): true distance, mm.
+
+    spread (n, 3, 2): change of the (not normalised) direction by the pupil's unit vectors; the point appears all over
+    gaze + spread @ d with d in the unit disc. Vertices that no ray meets hold NaN.
+    """
+
+    part: Part
+    gaze: Floats
+    reach: Floats
+    spread: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenScene:
+    """Everything a renderer needs: the camera stands at `eye` (3,) mm and its rows of `frame` (3, 3) are right-to-left,
+    up and ahead. through: parts seen through the lens (or by the naked eye); around: parts as seen past the lens's edge,
+    None for the naked eye. rims: closed curves (k, 2) in the picture plane (tangents along frame rows 0 and 1) within all
+    of which the lens is seen.
+    """
+
+    layer: ViewLayer
+    background: tuple[int, int, int]
+    eye: Floats
+    frame: Floats
+    through: tuple[SeenPart, ...]
+    around: tuple[SeenPart, ...] | None
+    rims: tuple[Floats, ...]
+
+
+Result = LensMap | Profile | tuple[PointReading, ...] | tuple[EllipseSheet, ...] | VoxelField | SeenScene
+
+# ---- quantities a map can show ----
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """label and unit for the reader; values (n,) from a gaze field, the object distance and the accommodation rule."""
+
+    label: str
+    unit: str
+    values: Callable[[GazeField, Any, Accommodation], Floats]
+
+
+def _prism_part(k: int) -> Callable[[GazeField, Any, Accommodation], Floats]:
+    return lambda f, s, a: f.prism_components()[:, k]
+
+
+def _sca_part(k: int) -> Callable[[GazeField, Any, Accommodation], Floats]:
+    return lambda f, s, a: f.as_worn_power(s)[k]
+
+
+QUANTITIES = {
+    "mean_power": Quantity("As-worn mean power", "D", lambda f, s, a: mean_power(f.as_worn_matrix(s))),
+    "astigmatism": Quantity("As-worn astigmatism", "D", lambda f, s, a: astigmatism(f.as_worn_matrix(s))),
+    "sphere": Quantity("As-worn sphere", "D", _sca_part(0)),
+    "cylinder": Quantity("As-worn cylinder", "D", _sca_part(1)),
+    "axis": Quantity("As-worn axis", "deg", _sca_part(2)),
+    "mean_error": Quantity("Mean power error", "D", lambda f, s, a: mean_power(f.power_error(s))),
+    "astigmatic_error": Quantity("Astigmatic error", "D", lambda f, s, a: astigmatism(f.power_error(s))),
+    "residual_mean": Quantity("Residual mean defocus", "D", lambda f, s, a: mean_power(f.residual_defocus(s, a))),
+    "accommodation": Quantity("Accommodation in use", "D", lambda f, s, a: f.accommodation(s, a)),
+    "defocus": Quantity("Defocus 2|eps|", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
+    "prism": Quantity("Prism", "cm/m", lambda f, s, a: f.prism().prism),
+    "prism_horizontal": Quantity("Horizontal prism", "cm/m", _prism_part(0)),
+    "prism_vertical": Quantity("Vertical prism", "cm/m", _prism_part(1)),
+    "magnification": Quantity("Magnification", "x", lambda f, s, a: np.sqrt(np.abs(np.linalg.det(f.magnification(s))))),
+    "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f)),
+}
+
+
+def _thickness(field: GazeField) -> Floats:
+    lens = field.lens
+    assert lens is not None
+    point = worn_pose(lens, field.wearer.wear).to_lens(field.origin)
+    return lens.thickness(point[:, 0], point[:, 1])
+
+
+# ---- run ----
+
+
+def run(request: Request) -> Any:
+    """Answer one request; raises InputError when the request lacks what its layer needs."""
+    return _answer(request.layer, request)
+
+
+@singledispatch
+def _answer(layer: Layer, request: Request) -> Any:
+    raise TypeError(f"no layer of type {type(layer).__name__}")
+
+
+def _needed_lens(request: Request) -> Lens:
+    if request.lens is None:
+        raise InputError(f"a {type(request.layer).__name__} needs a lens: the naked eye has none")
+    return request.lens
+
+
+def _needed_scene(request: Request) -> Scene:
+    if request.scene is None:
+        raise InputError("this needs a scene: name one, or give an object distance")
+    return request.scene
+
+
+@_answer.register
+def lens_map(layer: MapLayer, request: Request) -> LensMap:
+    """A quantity over the front surface, within the outline."""
+    lens = _needed_lens(request)
+    if layer.quantity not in QUANTITIES:
+        raise InputError(f"unknown quantity {layer.quantity!r}; there are {', '.join(QUANTITIES)}")
+    quantity = QUANTITIES[layer.quantity]
+    x, y = _square_samples(lens.outline, layer.samples)
+    px, py = (a.ravel() for a in np.meshgrid(x, y))
+    inside = lens.outline.contains(px, py)
+    field = look_through(lens, request.wearer, px[inside], py[inside])
+    distance = _object_distance(layer.distance, field, request)
+    values = np.full(px.size, np.nan)
+    values[inside] = quantity.values(field, distance, layer.accommodation)
+    status = np.full(px.size, np.int8(Status.OUTSIDE_OUTLINE))
+    status[inside] = field.status
+    shape = (y.size, x.size)
+    return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
+
+
+def _square_samples(outline: Outline, samples: int) -> tuple[Floats, Floats]:
+    """Coordinates over the outline's box, equally spaced in x and y, with about `samples` along the longer side."""
+    x0, x1, y0, y1 = outline.box
+    pitch = max(x1 - x0, y1 - y0) / (samples - 1)
+    centres = (x0 + x1) / 2, (y0 + y1) / 2
+    halves = round((x1 - x0) / pitch / 2), round((y1 - y0) / pitch / 2)
+    return tuple(c + pitch * np.arange(-h, h + 1) for c, h in zip(centres, halves, strict=True))  # type: ignore[return-value]
+
+
+def _object_distance(distance: float | str, field: GazeField, request: Request) -> Any:
+    if distance != "scene":
+        return distance
+    from .scenes.cast import first_hit
+
+    return first_hit(_needed_scene(request), field.origin, field.direction)
+
+
+@_answer.register
+def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
+    """As-worn power from the lower to the upper edge along the meridian through the reference points."""
+    lens = _needed_lens(request)
+    _, _, y0, y1 = lens.outline.box
+    y = np.linspace(y0, y1, layer.samples)
+    marks = sorted((p[1], p[0]) for p in (lens.points.fitting_point, lens.points.near_reference_point) if p is not None)
+    x = np.interp(y, *zip(*marks, strict=True))
+    inside = lens.outline.contains(x, y)
+    x, y = x[inside], y[inside]
+    power = look_through(lens, request.wearer, x, y).as_worn_matrix(layer.distance)
+    mean, astig = mean_power(power), astigmatism(power)
+    return Profile(x, y, mean, mean - astig / 2, mean + astig / 2, astig)
+
+
+@_answer.register
+def reference_readings(layer: PointsLayer, request: Request) -> tuple[PointReading, ...]:
+    """As-worn readings at the reference points that the lens names, against its order."""
+    lens = _needed_lens(request)
+    return tuple(_reading(lens, request.wearer, name, *point) for name, point in lens.points.named().items())
+
+
+def _reading(lens: Lens, wearer: Wearer, name: str, x: float, y: float) -> PointReading:
+    near = name == "near_reference_point"
+    distance = wearer.wear.near_distance - wearer.wear.vertex_distance if near else np.inf
+    field = look_through(lens, wearer, [x], [y])
+    power = field.as_worn_matrix(distance)[0]
+    sphere, cylinder, axis = (float(v[0]) for v in field.as_worn_power(distance))
+    prism, base = (float(v[0]) for v in field.prism())
+    azimuth, elevation = (float(np.degrees(a[0])) for a in angles_from_direction(field.directions))
+    mean_error = astigmatic_error = None
+    if lens.ordered is not None and name in ("distance_reference_point", "near_reference_point"):
+        error = power - lens.ordered.power(near)
+        mean_error, astigmatic_error = float(mean_power(error)), float(astigmatism(error))
+    return PointReading(
+        name, x, y, azimuth, elevation, distance, sphere, cylinder, axis, float(mean_power(power)),
+        float(astigmatism(power)), prism, base, mean_error, astigmatic_error, Status(field.status[0]).name,
+    )  # fmt: skip
+
+
+@_answer.register
+def ellipse_sheets(layer: EllipseLayer, request: Request) -> tuple[EllipseSheet, ...]:
+    """Ellipses of confusion on planes straight ahead."""
+    grid = GazeGrid(layer.n, layer.n, layer.half_angle, layer.half_angle)
+    field = trace(request.lens, request.wearer, grid)
+    return tuple(_sheet(field, depth, layer.accommodation) for depth in layer.depths)
+
+
+def _to_plane(field: GazeField, z: Any) -> Floats:
+    """Distance (..., n) along each outgoing ray to the planes z (mm, wear frame); NaN where the plane lies behind."""
+    along = (z - field.origin[:, 2]) / field.direction[:, 2]
+    return np.where(along > 0, along, np.nan)
+
+
+def _sheet(field: GazeField, depth: float, rule: Accommodation) -> EllipseSheet:
+    distance = _to_plane(field, depth)
+    blur = field.blur(distance, rule)
+    centre = field.origin + distance[:, None] * field.direction
+    spokes = np.swapaxes(field.frame[:, :2], 1, 2) @ blur
+    return EllipseSheet(
+        depth, centre, spokes, *field.eoc(distance, rule), field.accommodation(distance, rule), field.status
+    )
+
+
+@_answer.register
+def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
+    """The blur field of the paper: one matrix a voxel."""
+    if min(layer.nx, layer.ny, layer.nz) < 1 or not 0 < layer.near < layer.far < np.inf:
+        raise InputError("voxels: counts must be positive, and 0 < near < far")
+    grid = GazeGrid(layer.nx, layer.ny, layer.half_angle, layer.half_angle)
+    field = trace(request.lens, request.wearer, grid)
+    ndc = np.linspace(0.0, 1.0, layer.nz)
+    depth = layer.near * layer.far / (layer.far - ndc * (layer.far - layer.near))
+    planes = request.wearer.centre_of_rotation[2] + depth[:, None]
+    blur = field.blur(_to_plane(field, planes), layer.accommodation)
+    u, v = grid.axes()
+    shape = (layer.nz, layer.ny, layer.nx, 2, 2)
+    return VoxelField(u, v, depth, blur.reshape(shape), field.status.reshape(field.shape))
+
+
+@_answer.register
+def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
+    """The scene as the turning eye sees it: each vertex's apparent direction and the ellipse in which it is spread."""
+    scene, wearer = _needed_scene(request), request.wearer
+    lens = None if layer.eye == "naked" else _needed_lens(request)
+    sharp = layer.eye == "pinhole"
+    through = tuple(_seen_part(lens, wearer, part, layer.accommodation, sharp) for part in scene.parts)
+    around, rims = None, ()
+    frame = listing_frame(direction_from_angles(layer.azimuth, layer.elevation))
+    if lens is not None:
+        around = tuple(_seen_part(None, wearer, part, layer.accommodation, sharp) for part in scene.parts)
+        rims = _rims(lens, wearer, frame)
+    return SeenScene(layer, scene.background, wearer.centre_of_rotation, frame, through, around, rims)
+
+
+def _seen_part(lens: Lens | None, wearer: Wearer, part: Part, rule: Accommodation, sharp: bool) -> SeenPart:
+    field = look_at(lens, wearer, part.points, within_outline=False)
+    reach = np.linalg.norm(part.points - wearer.centre_of_rotation, axis=1)
+    if sharp:
+        return SeenPart(part, field.directions, reach, np.zeros((reach.size, 3, 2)))
+    blur = field.apparent_blur(field.distances_to(part.points), rule)
+    return SeenPart(part, field.directions, reach, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ blur)
+
+
+def _rims(lens: Lens, wearer: Wearer, frame: Floats) -> tuple[Floats, Floats]:
+    """The edges of the back and of the front surface as the turning eye sees them, in the picture plane."""
+    x, y = lens.outline.points(360)
+    pose = worn_pose(lens, wearer.wear)
+    back = pose.to_wear(np.stack([x, y, lens.back_height(x, y)], axis=-1))
+    front = pose.to_wear(np.stack([x, y, lens.front_height(x, y)], axis=-1))
+    seen = unit(back - wearer.centre_of_rotation), look_at(lens, wearer, front, within_outline=False).directions
+    return tuple(_on_picture_plane(directions, frame) for directions in seen)  # type: ignore[return-value]
+
+
+def _on_picture_plane(directions: Floats, frame: Floats) -> Floats:
+    local = directions @ frame.T
+    ahead = local[:, 2] > 0.05
+    return local[ahead, :2] / local[ahead, 2:]
