@@ -350,7 +350,8 @@ def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
     _, _, y0, y1 = lens.outline.box
     y = np.linspace(y0, y1, layer.samples)
     marks = sorted((p[1], p[0]) for p in (lens.points.fitting_point, lens.points.near_reference_point) if p is not None)
-    x = np.interp(y, *zip(*marks, strict=True))
+    mark_y, mark_x = np.array(marks).T
+    x = np.interp(y, mark_y, mark_x)
     inside = lens.outline.contains(x, y)
     x, y = x[inside], y[inside]
     power = look_through(lens, request.wearer, x, y).as_worn_matrix(layer.distance)
@@ -430,7 +431,8 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
     lens = None if layer.eye == "naked" else _needed_lens(request)
     sharp = layer.eye == "pinhole"
     through = tuple(_seen_part(lens, wearer, part, layer.accommodation, sharp) for part in scene.parts)
-    around, rims = None, ()
+    around: tuple[SeenPart, ...] | None = None
+    rims: tuple[Floats, ...] = ()
     frame = listing_frame(direction_from_angles(layer.azimuth, layer.elevation))
     if lens is not None:
         around = tuple(_seen_part(None, wearer, part, layer.accommodation, sharp) for part in scene.parts)
@@ -447,14 +449,14 @@ def _seen_part(lens: Lens | None, wearer: Wearer, part: Part, rule: Accommodatio
     return SeenPart(part, field.directions, reach, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ blur)
 
 
-def _rims(lens: Lens, wearer: Wearer, frame: Floats) -> tuple[Floats, Floats]:
+def _rims(lens: Lens, wearer: Wearer, frame: Floats) -> tuple[Floats, ...]:
     """The edges of the back and of the front surface as the turning eye sees them, in the picture plane."""
     x, y = lens.outline.points(360)
     pose = worn_pose(lens, wearer.wear)
     back = pose.to_wear(np.stack([x, y, lens.back_height(x, y)], axis=-1))
     front = pose.to_wear(np.stack([x, y, lens.front_height(x, y)], axis=-1))
     seen = unit(back - wearer.centre_of_rotation), look_at(lens, wearer, front, within_outline=False).directions
-    return tuple(_on_picture_plane(directions, frame) for directions in seen)  # type: ignore[return-value]
+    return tuple(_on_picture_plane(directions, frame) for directions in seen)
 
 
 def _on_picture_plane(directions: Floats, frame: Floats) -> Floats:

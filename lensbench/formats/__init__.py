@@ -14,7 +14,10 @@ from .wearer_file import build_wearer
 
 LENS_FORMAT, WEARER_FORMAT = "lensbench-lens/1", "lensbench-wearer/1"
 
-READERS: dict[str, Callable[[Path, dict[str, Any]], Any]] = {LENS_FORMAT: build_lens, WEARER_FORMAT: build_wearer}
+READERS: dict[str, Callable[[Path, dict[str, Any]], Lens | Wearer]] = {
+    LENS_FORMAT: build_lens,
+    WEARER_FORMAT: build_wearer,
+}
 
 
 def load(path: str | Path) -> Lens | Wearer | PointGrid:
@@ -26,7 +29,7 @@ def load(path: str | Path) -> Lens | Wearer | PointGrid:
     reader = READERS.get(str(data.get("format")))
     if reader is None:
         raise InputError(f"{path}: format: {data.get('format')!r} is not known; write one of {', '.join(READERS)}")
-    return reader(path, data)  # type: ignore[no-any-return]
+    return reader(path, data)
 
 
 def load_lens(path: str | Path) -> Lens:

@@ -17,6 +17,7 @@ from .sdf import read_sdf
 from .toml_file import Table, validated
 
 Pair = tuple[float, float]
+OneWay = tuple[float | None, float | None, float | None]
 POWER_SIGN = {"front": 1.0, "back": -1.0}
 
 
@@ -56,7 +57,7 @@ class OneCurvature(SurfaceTable):
 
     def vertex_curvature(self, face: str, index: float) -> float:
         """Curvature at the vertex, 1/mm."""
-        return _curvature(face, self.radius, self.curvature, self.power, self.index or index)
+        return _curvature(face, self.index or index, self.radius, self.curvature, self.power)
 
 
 class Sphere(OneCurvature):
@@ -92,17 +93,19 @@ class TwoCurvatures(SurfaceTable):
 
     @model_validator(mode="after")
     def _one_way(self) -> "TwoCurvatures":
-        for k in range(2):
-            _check_one_way(*(v and v[k] for v in (self.radius, self.curvature, self.power)), self.index)
+        for radius, curvature, power in self.pairs():
+            _check_one_way(radius, curvature, power, self.index)
         return self
+
+    def pairs(self) -> tuple[OneWay, OneWay]:
+        """(radius, curvature, power) along and across the axis meridian."""
+        radius, curvature, power = (pair or (None, None) for pair in (self.radius, self.curvature, self.power))
+        return (radius[0], curvature[0], power[0]), (radius[1], curvature[1], power[1])
 
     def vertex_curvatures(self, face: str, index: float) -> Pair:
         """Curvatures at the vertex along and across the axis meridian, 1/mm."""
-        n = self.index or index
-        along, across = (
-            _curvature(face, *(v and v[k] for v in (self.radius, self.curvature, self.power)), n) for k in range(2)
-        )
-        return along, across
+        along, across = self.pairs()
+        return _curvature(face, self.index or index, *along), _curvature(face, self.index or index, *across)
 
 
 class Toric(TwoCurvatures):
@@ -175,7 +178,9 @@ AnySurface = Annotated[
 ]  # fmt: skip
 
 
-def _check_one_way(radius: float | None, curvature: float | None, power: float | None, index: float | None) -> None:
+def _check_one_way(
+    radius: float | None = None, curvature: float | None = None, power: float | None = None, index: float | None = None
+) -> None:
     if sum(v is not None for v in (radius, curvature, power)) != 1:
         raise ValueError("give exactly one of radius (mm), curvature (1/mm) and power (D, with its index)")
     if radius == 0:
@@ -184,10 +189,12 @@ def _check_one_way(radius: float | None, curvature: float | None, power: float |
         raise ValueError("index: belongs to power (D) only")
 
 
-def _curvature(face: str, radius: float | None, curvature: float | None, power: float | None, index: float) -> float:
+def _curvature(
+    face: str, index: float, radius: float | None = None, curvature: float | None = None, power: float | None = None
+) -> float:
     if radius is not None:
         return 1.0 / radius
-    return curvature if curvature is not None else POWER_SIGN[face] * float(power or 0.0) / (1000 * (index - 1))
+    return curvature if curvature is not None else POWER_SIGN[face] * (power or 0.0) / (1000 * (index - 1))
 
 
 class MaterialTable(Table):

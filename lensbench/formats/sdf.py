@@ -34,7 +34,8 @@ def _text(path: Path) -> str:
 
 def _block(path: Path, lines: list[str], header: int) -> PointGrid:
     nx, ny, width, height, side, face = _header(path, header + 1, lines[header].split("=", 1)[1])
-    rows, decimals = [], 0
+    rows: list[list[float]] = []
+    decimals = 0
     for k in range(header + 1, len(lines)):
         text = lines[k].strip()
         if text.upper().startswith("SURFMT="):

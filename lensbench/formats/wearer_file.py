@@ -73,15 +73,26 @@ class WearerTable(Table):
 def build_wearer(path: Path, data: dict[str, Any]) -> Wearer:
     """The wearer of a wearer file's tables. Raises InputError."""
     t = validated(path, data, WearerTable)
-    amplitude = t.eye.accommodation if t.eye.accommodation is not None else float(hofstetter_amplitude(t.age))
-    pupil = t.eye.pupil_diameter
-    if pupil is None:
-        pupil = float(watson_yellott_pupil(t.eye.luminance, t.age, t.eye.field_area))
     r, w = t.refraction, t.wear
     eye = Eye(
-        read_only(power_matrix(r.sphere, r.cylinder, r.axis)), r.vertex_distance, amplitude, pupil,
+        read_only(power_matrix(r.sphere, r.cylinder, r.axis)), r.vertex_distance, _amplitude(t), _pupil(t),
         t.eye.centre_of_rotation, t.eye.entrance_pupil,
     )  # fmt: skip
     angles = float(np.radians(w.pantoscopic_angle)), float(np.radians(w.face_form_angle))
     wear = Wear(w.vertex_distance, *angles, w.decentration, w.pupillary_distance, w.near_distance)
     return Wearer(eye, wear, t.name or path.stem, t.age)
+
+
+def _amplitude(t: WearerTable) -> float:
+    if t.eye.accommodation is not None:
+        return t.eye.accommodation
+    assert t.age is not None
+    return float(hofstetter_amplitude(t.age))
+
+
+def _pupil(t: WearerTable) -> float:
+    if t.eye.pupil_diameter is not None:
+        return t.eye.pupil_diameter
+    assert t.age is not None
+    assert t.eye.luminance is not None
+    return float(watson_yellott_pupil(t.eye.luminance, t.age, t.eye.field_area))

@@ -90,13 +90,18 @@ class GazeField:
         """The field with the rays `where` (n,) failed with the given status."""
         if not where.any():
             return self
-        blank = {
-            name: np.where(where.reshape(-1, *[1] * (a.ndim - 1)), np.nan, a) for name, a in self._arrays().items()
-        }
-        return replace(self, status=np.where(where, np.int8(status), self.status), **blank)
 
-    def _arrays(self) -> dict[str, Floats]:
-        return {name: getattr(self, name) for name in ("entry", "origin", "direction", "transfer")}
+        def blank(array: Floats) -> Floats:
+            return np.where(where.reshape(-1, *[1] * (array.ndim - 1)), np.nan, array)
+
+        return replace(
+            self,
+            entry=blank(self.entry),
+            origin=blank(self.origin),
+            direction=blank(self.direction),
+            transfer=blank(self.transfer),
+            status=np.where(where, np.int8(status), self.status),
+        )
 
     # -- the two matrices per unit distance: everything below is made of these ---------------------------------------
 

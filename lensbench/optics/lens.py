@@ -24,7 +24,7 @@ class Outline:
 
     def radius(self, angle: ArrayLike) -> Floats:
         """Distance (mm) from the centre to the edge at angles in rad."""
-        return np.interp(angle, self.angles, self.radii, period=2 * np.pi)
+        return np.interp(np.asarray(angle, dtype=float), self.angles, self.radii, period=2 * np.pi)
 
     def contains(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
         """Whether points x, y (mm, lens frame) lie within the edge; False for NaN."""

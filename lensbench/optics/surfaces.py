@@ -50,7 +50,8 @@ class Surface:
         """Sag and derivatives at points x, y (mm, surface frame, any shape); NaN where there is no surface."""
         bx, by = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         out = np.empty((6, bx.size))
-        kernel.sag_at(*self.shape_arrays(), np.array(bx).ravel(), np.array(by).ravel(), out)
+        px, py = (np.ascontiguousarray(a).ravel() for a in (bx, by))
+        kernel.sag_at(self.kind, self.p, self.breaks_x, self.breaks_y, self.cells, px, py, out)
         return SagDerivatives(*(row.reshape(bx.shape) for row in out))
 
     def sag(self, x: ArrayLike, y: ArrayLike) -> Floats:

@@ -141,7 +141,7 @@ def sag(kind, p, breaks_x, breaks_y, cells, x, y):
 @inline
 def start_curvature(kind, p):
     """Curvature of the sphere at the vertex that stands in for the surface when a search starts, 1/mm."""
-    return 0.5 * (p[0] + p[1]) if kind == TORIC or kind == BICONIC else p[0]
+    return 0.5 * (p[0] + p[1]) if kind in (TORIC, BICONIC) else p[0]
 
 
 @inline

@@ -1,0 +1,1 @@
+"""The Qt window's room: the only place that may import Qt."""
