@@ -269,9 +269,14 @@ QUANTITIES = {
     "prism": Quantity("Prism", "cm/m", lambda f, s, a: f.prism().prism),
     "prism_horizontal": Quantity("Horizontal prism", "cm/m", _prism_part(0)),
     "prism_vertical": Quantity("Vertical prism", "cm/m", _prism_part(1)),
-    "magnification": Quantity("Magnification", "x", lambda f, s, a: np.sqrt(np.abs(np.linalg.det(f.magnification(s))))),
+    "magnification": Quantity("Magnification", "x", lambda f, s, a: _area_magnification(f.magnification(s))),
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f)),
 }
+
+
+def _area_magnification(m: Floats) -> Floats:
+    """Linear magnification of equal area: the root of the determinant."""
+    return np.sqrt(np.abs(m[..., 0, 0] * m[..., 1, 1] - m[..., 0, 1] * m[..., 1, 0]))
 
 
 def _thickness(field: GazeField) -> Floats:
@@ -352,9 +357,9 @@ def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
     marks = sorted((p[1], p[0]) for p in (lens.points.fitting_point, lens.points.near_reference_point) if p is not None)
     mark_y, mark_x = np.array(marks).T
     x = np.interp(y, mark_y, mark_x)
-    inside = lens.outline.contains(x, y)
-    x, y = x[inside], y[inside]
-    power = look_through(lens, request.wearer, x, y).as_worn_matrix(layer.distance)
+    field = look_through(lens, request.wearer, x, y)
+    ok = field.status == Status.OK
+    x, y, power = x[ok], y[ok], field.as_worn_matrix(layer.distance)[ok]
     mean, astig = mean_power(power), astigmatism(power)
     return Profile(x, y, mean, mean - astig / 2, mean + astig / 2, astig)
 

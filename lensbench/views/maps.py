@@ -36,7 +36,8 @@ _MOST_BANDS, _MOST_ASKED = 24, 200
 
 @dataclass(frozen=True, slots=True)
 class MapStyle:
-    """How a quantity is banded. colours: colour maps, two of them diverge from `centre` (None: the ordered power).
+    """How a quantity is banded. colours: colour maps; two of them diverge from `centre` (None: the ordered mean power,
+    rounded to the step, so that alike designs look alike).
 
     steps: band widths in the quantity's unit, the first that gives at most 24 bands is taken; every label_every-th
     multiple is emphasised and labelled; strong: levels drawn strongest; levels: fixed uneven levels instead of steps.
@@ -72,7 +73,7 @@ STYLES = {
     "prism_horizontal": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "prism_vertical": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "magnification": MapStyle(_SIGNED, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5), centre=1.0),
-    "thickness": MapStyle(("cividis_r",), (0.2, 0.5, 1.0, 2.0), decimals=1),
+    "thickness": MapStyle(("GnBu",), (0.2, 0.5, 1.0, 2.0), decimals=1),
 }
 _OTHER = MapStyle(_SIGNED, _ANY_STEPS)
 
@@ -111,19 +112,28 @@ def map_bands(
     lens: Lens, lens_map: LensMap, step: float | None = None, limits: tuple[float, float] | None = None
 ) -> Bands:
     """Bands for a map; step and limits in the map's unit. Raises InputError for a step or limits that make no bands."""
-    style = STYLES.get(lens_map.quantity, _OTHER)
-    finite = lens_map.values[np.isfinite(lens_map.values)]
+    ordered = float(mean_power(lens.ordered.power())) if lens.ordered else 0.0
+    return value_bands(lens_map.quantity, lens_map.values, step, limits, ordered)
+
+
+def value_bands(
+    quantity: str,
+    values: Floats,
+    step: float | None = None,
+    limits: tuple[float, float] | None = None,
+    ordered: float = 0.0,
+) -> Bands:
+    """Bands for values (any shape, NaN where there are none) of a quantity; see map_bands. ordered: mean power, D."""
+    style, cyclic = STYLES.get(quantity, _OTHER), quantity == "axis"
+    finite = values[np.isfinite(values)]
     span = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
-    cyclic = lens_map.quantity == "axis"
     levels = _levels(style, (0.0, 180.0) if cyclic else limits or span, step)
     width = step or float(np.diff(levels).min())
-    multiple = np.round(levels / width).astype(int)
-    weight = np.ones(levels.size, int) if style.levels and step is None else (multiple % style.label_every == 0) * 1
+    weight = np.where(np.round(levels / width) % (1 if style.levels else style.label_every) == 0, 1, 0)
     weight[np.isclose(levels[:, None], style.strong).any(axis=1)] = 2
-    decimals = max(style.decimals, _decimals(width))
-    sign = "+" if len(style.colours) > 1 and style.centre != 1.0 else ""
-    text = tuple(f"{v + 0.0:{sign if abs(v) > 1e-9 else ''}.{decimals}f}" for v in levels)
-    return Bands(levels, _band_colours(style, levels, _centre(style, lens, width)), weight, text, span, cyclic)
+    centre = width * round(ordered / width) if style.centre is None else style.centre
+    colours = _band_colours(style, levels, centre)
+    return Bands(levels, colours, weight, _level_text(style, levels, width), span, cyclic)
 
 
 def shared_limits(maps: Iterable[LensMap]) -> tuple[float, float]:
@@ -142,7 +152,7 @@ def _levels(style: MapStyle, span: tuple[float, float], step: float | None) -> F
     if not low <= high:
         raise InputError(f"the scale must rise: its limits are {low:g} and {high:g}")
     if style.levels and step is None:
-        fixed = np.array(style.levels)
+        fixed = np.array([*style.levels, *((high,) if high > style.levels[-1] else ())])
         return fixed[max(np.searchsorted(fixed, low, "right") - 1, 0) : max(np.searchsorted(fixed, high), 1) + 1]
     if step is None:
         step = next((s for s in style.steps if high - low <= _MOST_BANDS * s), style.steps[-1])
@@ -152,16 +162,11 @@ def _levels(style: MapStyle, span: tuple[float, float], step: float | None) -> F
     return step * np.arange(first, max(last, first + 1) + 1)
 
 
-def _decimals(step: float) -> int:
-    return next(d for d in range(6) if abs(round(step, d) - step) < 1e-6 or d == 5)
-
-
-def _centre(style: MapStyle, lens: Lens, step: float) -> float:
-    """Value with the palest colour: the ordered mean power, rounded to the step so that alike designs look alike."""
-    if style.centre is not None:
-        return style.centre
-    ordered = float(mean_power(lens.ordered.power())) if lens.ordered else 0.0
-    return step * round(ordered / step)
+def _level_text(style: MapStyle, levels: Floats, step: float) -> tuple[str, ...]:
+    """Levels as printed: signed where colours diverge from zero, with the digits that the step needs."""
+    needed = next(d for d in range(7) if abs(round(step, d) - step) < 1e-6)
+    sign = "+" if len(style.colours) > 1 and style.centre != 1.0 else ""
+    return tuple(f"{v + 0.0:{sign if abs(v) > 1e-9 else ''}.{max(style.decimals, needed)}f}" for v in levels)
 
 
 def _band_colours(style: MapStyle, levels: Floats, centre: float) -> Floats:
@@ -217,7 +222,7 @@ def map_figure(
     step, limits: in the map's unit, else what suits the quantity. subtitle: a line under the title (object distance).
     """
     figure, axes = _lens_axes(lens)
-    _titles(figure, axes, _title(lens, lens_map.label), subtitle)
+    titles(figure, axes, title_of(lens, lens_map.label), subtitle)
     if np.isfinite(lens_map.values).any():
         bands = map_bands(lens, lens_map, step, limits)
         _draw_bands(axes, lens, lens_map, bands)
@@ -232,19 +237,19 @@ def map_figure(
     return figure
 
 
-def _figure(width: float, height: float) -> Figure:
+def blank_figure(width: float, height: float) -> Figure:
     """An empty white figure of a size in inches of 100 pixels, with a canvas of its own."""
     figure = Figure((width, height), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
     return figure
 
 
-def _place(figure: Figure, *box: float) -> Axes:
+def place(figure: Figure, *box: float) -> Axes:
     """Axes at (left, bottom, width, height) in inches."""
     return figure.add_axes(tuple(np.array(box) / np.tile(figure.get_size_inches(), 2)))
 
 
-def _title(lens: Lens, what: str) -> str:
+def title_of(lens: Lens, what: str) -> str:
     return f"{lens.name}: {what}" if lens.name else what.capitalize()
 
 
@@ -255,18 +260,18 @@ def _lens_axes(lens: Lens) -> tuple[Figure, Axes]:
     scale = min(6.5 / width, 7.0 / height)
     across, up = scale * width, scale * height
     size = 2.4 + max(across, 6.2), up + 1.85
-    figure = _figure(*size)
-    axes = _place(figure, 0.8, 1.05, across, up)
+    figure = blank_figure(*size)
+    axes = place(figure, 0.8, 1.05, across, up)
     axes.set(xlim=(x0 - 1.5, x1 + 1.5), ylim=(y0 - 1.5, y1 + 1.5), ylabel="y, mm")
     sides = ("temporal", "nasal") if lens.side == "R" else ("nasal", "temporal")
     axes.set_xlabel(f"{sides[0]}  ←        x, mm        →  {sides[1]}", color=INK)
-    _quiet(axes)
+    calm(axes)
     eye = {"R": "right", "L": "left"}[lens.side]
     figure.text(1 - 0.15 / size[0], 0.12 / size[1], f"{eye} lens, seen from the front", ha="right", size=8, color=QUIET)
     return figure, axes
 
 
-def _quiet(axes: Axes) -> None:
+def calm(axes: Axes) -> None:
     axes.set_axisbelow(True)
     axes.grid(color="#e4e7ea", linewidth=0.6)
     axes.tick_params(colors=QUIET, labelsize=9)
@@ -274,7 +279,7 @@ def _quiet(axes: Axes) -> None:
         spine.set_color("#c3c9ce")
 
 
-def _titles(figure: Figure, axes: Axes, title: str, subtitle: str) -> None:
+def titles(figure: Figure, axes: Axes, title: str, subtitle: str) -> None:
     left, height = axes.get_position().x0, figure.get_size_inches()[1]
     figure.text(left, 1 - 0.38 / height, title, size=14, weight="bold", color=INK)
     figure.text(left, 1 - 0.62 / height, subtitle, size=10, color=QUIET)
@@ -298,7 +303,9 @@ def _draw_bands(axes: Axes, lens: Lens, lens_map: LensMap, bands: Bands) -> None
 
 def _draw_isolines(axes: Axes, lens_map: LensMap, values: Floats, bands: Bands) -> Any:
     thickness = np.array([0.5, 1.1, 2.0])[bands.weight]
-    lines = axes.contour(lens_map.x, lens_map.y, values, bands.shifted, colors=_line_colours(bands), linewidths=thickness)
+    lines = axes.contour(
+        lens_map.x, lens_map.y, values, bands.shifted, colors=_line_colours(bands), linewidths=thickness
+    )
     named = [i for i in np.flatnonzero(bands.weight) if bands.span[0] < bands.shifted[i] < bands.span[1]]
     names = {bands.shifted[i]: bands.text[i] for i in named}
     for label in axes.clabel(lines, list(names), fmt=names, fontsize=8, colors=INK, inline_spacing=2):
@@ -319,8 +326,8 @@ def _halo() -> list[withStroke]:
 MARKS = {
     "fitting_point": ("fitting point", "+", 13),
     "prism_reference_point": ("prism reference point", ".", 8),
-    "distance_reference_point": ("distance reference point", "o", 11),
-    "near_reference_point": ("near reference point", "s", 10),
+    "distance_reference_point": ("distance reference point", "o", 12),
+    "near_reference_point": ("near reference point", "o", 7),
 }
 
 
@@ -333,7 +340,9 @@ def _draw_marks(axes: Axes, lens: Lens) -> None:
         axes.plot(x, y, marker, label=label, path_effects=halo, zorder=5, **style)
     figure = axes.figure
     bottom = 0.34 / figure.get_size_inches()[1]
-    figure.legend(loc="lower center", bbox_to_anchor=(0.5, bottom), ncols=4, fontsize=8, frameon=False, handletextpad=0.3)
+    figure.legend(
+        loc="lower center", bbox_to_anchor=(0.5, bottom), ncols=4, fontsize=8, frameon=False, handletextpad=0.3
+    )
 
 
 def colour_bar(axes: Axes, bands: Bands, unit: str) -> None:
@@ -343,7 +352,9 @@ def colour_bar(axes: Axes, bands: Bands, unit: str) -> None:
     extend = {(False, False): "neither", (True, False): "min", (False, True): "max", (True, True): "both"}[below, above]
     colours = ListedColormap(bands.colours)
     scale = ScalarMappable(BoundaryNorm(np.arange(len(bands.levels)), len(bands.colours)), colours)
-    named = np.flatnonzero(bands.weight) if bands.weight.any() and len(bands.levels) > 6 else np.arange(len(bands.levels))
+    named = (
+        np.flatnonzero(bands.weight) if bands.weight.any() and len(bands.levels) > 6 else np.arange(len(bands.levels))
+    )
     bar = axes.figure.colorbar(scale, cax=axes, ticks=named, extend=extend, extendfrac=0.04)
     bar.ax.set_yticklabels([bands.text[i] for i in named])
     bar.ax.tick_params(labelsize=9, colors=INK, length=3)
@@ -357,8 +368,8 @@ def colour_bar(axes: Axes, bands: Bands, unit: str) -> None:
 
 def profile_figure(lens: Lens, profile: Profile, subtitle: str = "") -> Figure:
     """Power (D, across) against height y (mm, up) along the main meridian: mean, least and greatest power; astigmatism."""
-    figure = _figure(9.0, 7.2)
-    power, astig = _place(figure, 0.8, 0.65, 4.2, 5.6), _place(figure, 5.3, 0.65, 1.9, 5.6)
+    figure = blank_figure(9.0, 7.2)
+    power, astig = place(figure, 0.8, 0.65, 4.2, 5.6), place(figure, 5.3, 0.65, 1.9, 5.6)
     power.fill_betweenx(profile.y, profile.least_power, profile.greatest_power, color="#f0c48a", alpha=0.6, linewidth=0)
     for values, colour, width, label in (
         (profile.least_power, "#b86e1c", 1.0, "least and greatest power"),
@@ -372,12 +383,12 @@ def profile_figure(lens: Lens, profile: Profile, subtitle: str = "") -> Figure:
     astig.set(xlim=(0, max(1.0, 1.1 * np.nanmax(profile.astigmatism, initial=0.0))), xlabel="astigmatism, D")
     for axes in (power, astig):
         axes.set_ylim(bottom, top)
-        _quiet(axes)
+        calm(axes)
     astig.tick_params(labelleft=False)
     _ordered_lines(power, lens)
     _height_lines(power, astig, lens)
     power.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, fontsize=9, frameon=False)
-    _titles(figure, power, _title(lens, "power along the main meridian"), subtitle)
+    titles(figure, power, title_of(lens, "power along the main meridian"), subtitle)
     return figure
 
 
@@ -385,11 +396,12 @@ def _ordered_lines(axes: Axes, lens: Lens) -> None:
     if lens.ordered is None:
         return
     far, near = (float(mean_power(lens.ordered.power(near))) for near in (False, True))
-    for value, name in {near: "ordered + addition", far: "ordered"}.items():
-        axes.axvline(value, color="#7a3b8f", linewidth=1.1, linestyle=(0, (5, 3)))
-        place = {"xytext": (-3, -4), "textcoords": "offset points", "rotation": 90, "ha": "right", "va": "top"}
-        top = (value, axes.get_ylim()[1])
-        axes.annotate(f"{name} {value:+.2f} D", top, size=8, color="#7a3b8f", path_effects=_halo(), **place)
+    bottom, top = axes.get_ylim()
+    for value, name, y, va in ((far, "ordered", bottom + 1, "bottom"), (near, "ordered + addition", top - 1, "top")):
+        if name == "ordered" or near != far:
+            axes.axvline(value, color="#7a3b8f", linewidth=1.1, linestyle=(0, (5, 3)))
+            spot = {"rotation": 90, "xytext": (-3, 0), "textcoords": "offset points", "ha": "right", "va": va}
+            axes.annotate(f"{name} {value:+.2f} D", (value, y), size=8.5, color="#7a3b8f", path_effects=_halo(), **spot)
 
 
 def _height_lines(power: Axes, astig: Axes, lens: Lens) -> None:
@@ -400,8 +412,8 @@ def _height_lines(power: Axes, astig: Axes, lens: Lens) -> None:
     for y, there in names.items():
         for axes in (power, astig):
             axes.axhline(y, color=QUIET, linewidth=0.8, linestyle=":")
-        place = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
-        astig.annotate(",\n".join(there), (1, y), xycoords=("axes fraction", "data"), size=8.5, color=INK, **place)
+        spot = {"xytext": (6, 0), "textcoords": "offset points", "va": "center"}
+        astig.annotate(",\n".join(there), (1, y), xycoords=("axes fraction", "data"), size=8.5, color=INK, **spot)
 
 
 def section_figure(lens: Lens) -> Figure:
@@ -413,22 +425,27 @@ def section_figure(lens: Lens) -> Figure:
     across, up = _section(lens, at, 0), _section(lens, at, 1)
     heights = np.concatenate([across[1:], up[1:]], axis=1)
     x0, x1, y0, y1 = lens.outline.box
-    depth = (float(np.nanmin(heights)) - 5, float(np.nanmax(heights)) + 5)
-    deep, wide, tall = depth[1] - depth[0], x1 - x0 + 12, y1 - y0 + 12
+    depth = (float(np.nanmin(heights)) - 8, float(np.nanmax(heights)) + 8)
+    deep, wide, tall = depth[1] - depth[0], x1 - x0 + 20, y1 - y0 + 10
     scale = min(9.0 / (deep + wide), 6.0 / tall)
-    figure = _figure(scale * (deep + wide) + 2.0, scale * tall + 1.6)
-    upright = _place(figure, 0.7, 0.65, scale * deep, scale * tall)
-    flat = _place(figure, 1.6 + scale * deep, 0.65 + scale * (tall - deep), scale * wide, scale * deep)
-    upright.set(xlim=depth, ylim=(y0 - 6, y1 + 6), xlabel="eye ←  z, mm  → scene", ylabel="y, mm")
-    flat.set(xlim=(x0 - 6, x1 + 6), ylim=depth[::-1], xlabel="x, mm", ylabel="scene ← z, mm → eye")
+    figure = blank_figure(scale * (deep + wide) + 2.0, scale * tall + 1.6)
+    upright = place(figure, 0.7, 0.65, scale * deep, scale * tall)
+    flat = place(figure, 1.6 + scale * deep, 0.65 + scale * (tall - deep), scale * wide, scale * deep)
+    upright.set(xlim=depth, ylim=(y0 - 5, y1 + 5), xlabel="eye ←  z, mm  → scene", ylabel="y, mm")
+    flat.set(xlim=(x0 - 10, x1 + 10), ylim=depth[::-1], xlabel="x, mm", ylabel="scene ← z, mm → eye")
     _draw_section(upright, up, upright=True)
     _draw_section(flat, across, upright=False)
     upright.set_title(f"vertical, x = {at[0]:g} mm", size=10, color=INK)
     flat.set_title(f"horizontal, y = {at[1]:g} mm, seen from above", size=10, color=INK)
-    _titles(figure, upright, _title(lens, "cross-sections"), "")
+    titles(figure, upright, title_of(lens, "cross-sections"), "")
     thin = lens.minimum_edge_thickness()
-    facts = f"thinnest edge {thin.thickness:.2f} mm, at x = {thin.x:.1f}, y = {thin.y:.1f} mm\n{lens.weight():.1f} g, "
-    flat.text(0, -0.35, facts + f"{lens.material.name}", transform=flat.transAxes, va="top", size=10, color=INK)
+    facts = (
+        f"centre thickness  {lens.centre_thickness:.2f} mm",
+        f"thinnest edge  {thin.thickness:.2f} mm, at x = {thin.x:.1f} mm, y = {thin.y:.1f} mm",
+        f"mass  {lens.weight():.1f} g",
+        f"material  {lens.material.name}, index {lens.index:.3f} ({lens.wavelength} line)",
+    )
+    flat.text(0, -0.4, "\n".join(facts), transform=flat.transAxes, va="top", size=10, linespacing=1.7, color=INK)
     return figure
 
 
@@ -447,11 +464,11 @@ def _draw_section(axes: Axes, section: Floats, upright: bool) -> None:
     style = {"facecolor": "#cfe3f1", "edgecolor": "#24506e", "linewidth": 1.3}
     axes.add_patch(Polygon(ring[:, ::-1] if upright else ring, **style))
     for i, outwards in ((0, -1), (int(np.argmin(np.abs(along))), 0), (along.size - 1, 1)):
-        text = f"{front[i] - back[i]:.2f}"
-        spot = along[i] + 2 * outwards, (front[i] + back[i]) / 2 if outwards else front[i] + 2
-        place = {"ha": "left" if upright and not outwards else "center", "va": "center"}
-        axes.text(*(spot[::-1] if upright else spot), text, size=9, color=INK, **place)
-    _quiet(axes)
+        text = f"{front[i] - back[i]:.2f} mm"
+        spot = along[i] + (2 if upright else 5) * outwards, (front[i] + back[i]) / 2 if outwards else front[i] + 2
+        align = {"ha": "left" if upright and not outwards else "center", "va": "center"}
+        axes.text(*(spot[::-1] if upright else spot), text, size=9, color=INK, **align)
+    calm(axes)
 
 
 # ---- files ------------------------------------------------------------------------------------------------------------

@@ -1,0 +1,109 @@
+"""The command line: verbs, exit codes, and what is on disk afterwards."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lensbench.cli import main
+
+SAMPLES = Path(__file__).parent.parent / "sample_lenses"
+REGULAR = str(SAMPLES / "regular_R.toml")
+
+
+def modules_after(statement: str) -> set[str]:
+    code = f"import sys\n{statement}\nprint(*sys.modules)"
+    return set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_help_imports_nothing_heavy():
+    loaded = modules_after("from lensbench import cli; cli.parser().format_help()")
+    assert not loaded & {"numpy", "numba", "scipy", "vtk", "vtkmodules", "pyvista", "matplotlib", "pydantic", "PIL"}
+
+
+def test_optics_need_no_graphics_library():
+    loaded = modules_after("import lensbench.workbench, lensbench.formats, lensbench.scenes.scene, lensbench.optics.gaze")
+    assert not loaded & {"vtk", "vtkmodules", "pyvista", "matplotlib", "PySide6"}
+
+
+def test_check_says_what_a_file_holds(capsys):
+    assert main(["check", REGULAR]) == 0
+    text = capsys.readouterr().out
+    assert "Minimum edge thickness" in text
+    assert "power noise" in text
+    assert main(["check", str(SAMPLES / "presbyope_60.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["Pupil diameter"] == 4.0
+    assert main(["check", str(SAMPLES / "regular_R.sdf")]) == 0
+
+
+def test_map_as_csv(tmp_path, capsys):
+    path = tmp_path / "new folder" / "map.csv"
+    assert main(["map", REGULAR, "-q", "prism", "-d", "inf", "-o", str(path)]) == 0
+    with path.open() as file:
+        rows = list(csv.DictReader(file))
+    assert set(rows[0]) == {"x_mm", "y_mm", "prism_cm/m", "status"}
+    assert {row["status"] for row in rows} == {"OK"}
+    assert capsys.readouterr().out.strip() == str(path)
+
+
+def test_ellipses_as_csv_and_json(tmp_path, capsys):
+    path = tmp_path / "eoc.csv"
+    assert main(["eoc", REGULAR, "--depths", "30cm", "2m", "-n", "6", "-o", str(path)]) == 0
+    assert len(path.read_text().splitlines()) == 1 + 2 * 36
+    capsys.readouterr()
+    assert main(["eoc", REGULAR, "--depths", "30cm", "2m", "-n", "6", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)
+    assert {row["depth_mm"] for row in rows} == {300.0, 2000.0}
+
+
+def test_voxels_as_npz(tmp_path):
+    path = tmp_path / "blur.npz"
+    assert main(["eoc", REGULAR, "--voxels", "6", "5", "4", "-o", str(path)]) == 0
+    with np.load(path) as file:
+        assert file["blur"].shape == (4, 5, 6, 2, 2)
+
+
+def test_doctor_names_versions_and_threads(capsys):
+    assert main(["doctor", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {"lensbench", "python", "numpy", "vtk", "threads"} <= set(found)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["check", "nowhere.toml"],
+        ["report", "nowhere.toml"],
+        ["map", REGULAR, "-q", "beauty", "--json"],
+        ["map", REGULAR, "-o", "map.xyz"],
+        ["map", REGULAR, "--accommodation", "much", "--json"],
+        ["eoc", REGULAR, "-o", "eoc"],
+        ["view", REGULAR, "--fov", "500"],
+        ["map", REGULAR, "-w", REGULAR, "--json"],
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_2(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.err.startswith("lensbench: ")
+    assert len(printed.err.splitlines()) == 1
+    assert not printed.out
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("text", ["40", "0cm", "-4m", "near", "1e3mm"])
+def test_bad_usage_is_exit_2(text, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["map", REGULAR, "-d", text])
+    assert stopped.value.code == 2
+
+
+def test_output_that_cannot_be_written(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["map", REGULAR, "-o", str(tmp_path / "file" / "map.csv")]) == 2
+    assert "cannot be written" in capsys.readouterr().err

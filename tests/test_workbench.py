@@ -1,0 +1,165 @@
+"""Requests and results: one question, the same arrays whoever asks."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lensbench as lb
+from lensbench.cli import main
+from lensbench.errors import InputError
+from lensbench.optics.conventions import Status, mean_power
+from lensbench.optics.gaze import look_through
+from lensbench.scenes.scene import Part, Scene
+from lensbench.workbench import (
+    QUANTITIES,
+    EllipseLayer,
+    MapLayer,
+    PointsLayer,
+    ProfileLayer,
+    Request,
+    ViewLayer,
+    VoxelLayer,
+    assumed_wearer,
+    run,
+)
+
+SAMPLES = Path(__file__).parent.parent / "sample_lenses"
+WALL = Part(
+    "wall",
+    np.array([[-1000.0, -1000, 1500], [1000, -1000, 1500], [1000, 1000, 1500], [-1000, 1000, 1500]]),
+    np.array([[0, 1, 2], [0, 2, 3]]),
+    np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]),
+    np.full((2, 2, 3), 128, np.uint8),
+)
+
+
+@pytest.fixture(scope="module")
+def progressive():
+    return lb.load_lens(SAMPLES / "regular_R.toml")
+
+
+@pytest.fixture(scope="module")
+def wearer():
+    return lb.load_wearer(SAMPLES / "presbyope_60.toml")
+
+
+def test_map_holds_the_field_at_its_own_points(progressive, wearer):
+    lens_map = run(Request(progressive, wearer, MapLayer("mean_power", 400.0, samples=31)))
+    j, i = 6, 17
+    field = look_through(progressive, wearer, [lens_map.x[i]], [lens_map.y[j]])
+    assert lens_map.values[j, i] == pytest.approx(mean_power(field.as_worn_matrix(400.0))[0], abs=1e-12)
+    assert np.array_equal(np.isnan(lens_map.values), lens_map.status != Status.OK)
+    assert np.diff(lens_map.x) == pytest.approx(lens_map.y[1] - lens_map.y[0])
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_every_quantity_has_finite_values_and_a_unit(progressive, wearer, quantity):
+    lens_map = run(Request(progressive, wearer, MapLayer(quantity, samples=21)))
+    assert np.isfinite(lens_map.values[lens_map.status == Status.OK]).all()
+    assert lens_map.label
+    assert lens_map.unit
+
+
+def test_addition_shows_in_the_map(progressive, wearer):
+    lens_map = run(Request(progressive, wearer, MapLayer("mean_power", samples=61)))
+    at = {y: lens_map.values[np.argmin(abs(lens_map.y - y)), np.argmin(abs(lens_map.x - x))] for x, y in ((0, 8), (2.5, -13))}
+    assert at[-13] - at[8] == pytest.approx(2.2, abs=0.3)
+
+
+def test_defocus_of_a_scene_is_that_of_its_distance(progressive, wearer):
+    pytest.importorskip("embreex")
+    seen = run(Request(progressive, wearer, MapLayer("defocus", "scene", samples=21), Scene("wall", (WALL,))))
+    field = look_through(progressive, wearer, [seen.x[12]], [seen.y[9]])
+    distance = (1500 - field.origin[0, 2]) / field.direction[0, 2]
+    assert seen.values[9, 12] == pytest.approx(np.degrees(field.defocus(distance)[0]) * 60, rel=1e-5)
+
+
+def test_reference_points_of_a_sphere_show_its_order(wearer):
+    lens = lb.load_lens(SAMPLES / "sphere_minus_4_R.toml")
+    straight = lb.Wearer(wearer.eye, lb.Wear(13.0))
+    reading = {r.name: r for r in run(Request(lens, straight, PointsLayer()))}["distance_reference_point"]
+    assert (reading.sphere, reading.cylinder, reading.prism) == pytest.approx((-4.0, 0.0, 0.0), abs=1e-4)
+    assert reading.mean_error == pytest.approx(0.0, abs=1e-4)
+
+
+def test_profile_runs_from_the_lower_to_the_upper_edge(progressive, wearer):
+    profile = run(Request(progressive, wearer, ProfileLayer()))
+    assert profile.y[0] < -28
+    assert profile.y[-1] > 28
+    assert profile.x[0] == pytest.approx(2.5)
+    assert profile.x[-1] == pytest.approx(0.0)
+    assert np.all(profile.least_power <= profile.greatest_power)
+
+
+def test_ellipse_sheets_lie_on_their_planes(progressive, wearer):
+    for sheet in run(Request(progressive, wearer, EllipseLayer(n=8))):
+        ok = sheet.status == Status.OK
+        assert sheet.centre[ok, 2] == pytest.approx(sheet.depth, rel=1e-12)
+        area = np.pi * sheet.semi_major * sheet.semi_minor
+        cross = np.linalg.norm(np.cross(sheet.spokes[..., 0], sheet.spokes[..., 1]), axis=1)
+        assert area[ok] == pytest.approx(np.pi * cross[ok], rel=1e-9, abs=1e-12)
+
+
+def test_voxels_are_columns_of_the_gaze_field(progressive, wearer):
+    voxels = run(Request(progressive, wearer, VoxelLayer(5, 4, 6, 300.0, 5000.0)))
+    assert voxels.blur.shape == (6, 4, 5, 2, 2)
+    assert voxels.depth[[0, -1]] == pytest.approx([300.0, 5000.0])
+    ndc = (1 / 300 - 1 / voxels.depth) / (1 / 300 - 1 / 5000)
+    assert np.diff(ndc) == pytest.approx(0.2)
+    gaze = np.array([[voxels.u[3], voxels.v[1], 1.0]])
+    field = lb.trace(progressive, wearer, gaze)
+    distance = (wearer.centre_of_rotation[2] + voxels.depth[2] - field.origin[0, 2]) / field.direction[0, 2]
+    assert voxels.blur[2, 1, 3] == pytest.approx(field.blur(distance)[0], abs=1e-12)
+
+
+def test_view_meets_every_vertex_and_spreads_it_by_the_field(progressive, wearer):
+    seen = run(Request(progressive, wearer, ViewLayer(), Scene("wall", (WALL,))))
+    field = lb.look_at(progressive, wearer, WALL.points[:1], within_outline=False)
+    assert seen.through[0].gaze[0] == pytest.approx(field.directions[0], abs=1e-12)
+    spread = seen.through[0].spread[0]
+    assert np.linalg.svd(spread)[1] == pytest.approx(
+        np.linalg.svd(field.apparent_blur(field.distances_to(WALL.points[:1])))[1][0], rel=1e-9
+    )
+    assert len(seen.rims) == 2
+
+
+def test_pinhole_view_is_sharp_and_naked_view_is_straight(wearer, progressive):
+    scene = Scene("wall", (WALL,))
+    sharp = run(Request(progressive, wearer, ViewLayer("pinhole"), scene))
+    assert not sharp.through[0].spread.any()
+    naked = run(Request(None, wearer, ViewLayer("naked"), scene))
+    straight = WALL.points - wearer.centre_of_rotation
+    assert naked.through[0].gaze == pytest.approx(straight / np.linalg.norm(straight, axis=1, keepdims=True))
+    assert naked.around is None
+
+
+def test_the_command_line_asks_the_same_question(progressive, capsys):
+    assert main(["map", str(SAMPLES / "regular_R.toml"), "-q", "astigmatism", "-d", "40cm", "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    asked = run(Request(progressive, assumed_wearer(progressive), MapLayer("astigmatism", 400.0)))
+    values = np.array(printed["values"], dtype=float)
+    assert values == pytest.approx(asked.values, rel=1e-6, abs=1e-12, nan_ok=True)
+
+
+def test_assumed_wearer_follows_the_order():
+    lens = lb.load_lens(SAMPLES / "wide_near_R.toml")
+    eye = assumed_wearer(lens).eye
+    assert eye.refraction == pytest.approx(lens.ordered.power())
+    assert eye.accommodation == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("layer", "lens", "word"),
+    [
+        (MapLayer("beauty"), True, "mean_power"),
+        (MapLayer("mean_power"), False, "lens"),
+        (MapLayer("defocus", "scene"), True, "scene"),
+        (ViewLayer(), True, "scene"),
+        (VoxelLayer(4, 4, 4, 500.0, 400.0), True, "near"),
+    ],
+)
+def test_a_request_that_lacks_something(progressive, wearer, layer, lens, word):
+    with pytest.raises(InputError, match=word):
+        run(Request(progressive if lens else None, wearer, layer))
