@@ -322,6 +322,7 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     px, py = (a.ravel() for a in np.meshgrid(x, y))
     inside = lens.outline.contains(px, py)
     field = look_through(lens, request.wearer, px[inside], py[inside])
+    _some_ray_passes(field)
     distance = _object_distance(layer.distance, field, request)
     values = np.full(px.size, np.nan)
     values[inside] = quantity.values(field, distance, layer.accommodation)
@@ -329,6 +330,15 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     status[inside] = field.status
     shape = (y.size, x.size)
     return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
+
+
+def _some_ray_passes(field: GazeField) -> None:
+    if np.any(field.status == Status.OK):
+        return
+    reasons = " and ".join(sorted({Status(s).name.lower().replace("_", " ") for s in field.status}))
+    raise InputError(
+        f"no line of sight passes through this lens as worn ({reasons}): check the decentration, tilts and radii"
+    )
 
 
 def _square_samples(outline: Outline, samples: int) -> tuple[Floats, Floats]:

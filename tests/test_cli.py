@@ -26,7 +26,9 @@ def test_help_imports_nothing_heavy():
 
 
 def test_optics_need_no_graphics_library():
-    loaded = modules_after("import lensbench.workbench, lensbench.formats, lensbench.scenes.scene, lensbench.optics.gaze")
+    loaded = modules_after(
+        "import lensbench.workbench, lensbench.formats, lensbench.scenes.scene, lensbench.optics.gaze"
+    )
     assert not loaded & {"vtk", "vtkmodules", "pyvista", "matplotlib", "PySide6"}
 
 

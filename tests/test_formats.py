@@ -87,7 +87,9 @@ def test_three_ways_to_state_a_curvature(tmp_path, given_as, radius):
     ],
 )
 def test_surface_kinds(tmp_path, surface, depth_at_10_20):
-    text = LENS.replace('type = "sphere"\nradius = 120.0', surface).replace("centre_thickness = 2.0", "centre_thickness = 20.0")
+    text = LENS.replace('type = "sphere"\nradius = 120.0', surface).replace(
+        "centre_thickness = 2.0", "centre_thickness = 20.0"
+    )
     lens = lb.load_lens(write(tmp_path, text))
     assert lens.front.sag(10.0, 20.0) == pytest.approx(-depth_at_10_20, abs=1e-9)
 
@@ -95,7 +97,9 @@ def test_surface_kinds(tmp_path, surface, depth_at_10_20):
 def test_bspline_surface(tmp_path):
     knots = [-40.0, -40.0, -40.0, 40.0, 40.0, 40.0]
     flat = f'type = "bspline"\ndegree = 2\nknots_x = {knots}\nknots_y = {knots}\ncoefficients = [[-8,8,-8],[-8,8,-8],[-8,8,-8]]'
-    text = LENS.replace('type = "sphere"\nradius = 120.0', flat).replace("centre_thickness = 2.0", "centre_thickness = 20.0")
+    text = LENS.replace('type = "sphere"\nradius = 120.0', flat).replace(
+        "centre_thickness = 2.0", "centre_thickness = 20.0"
+    )
     lens = lb.load_lens(write(tmp_path, text))
     x = np.linspace(-30, 30, 7)
     t = (x + 40) / 80
@@ -103,7 +107,13 @@ def test_bspline_surface(tmp_path):
     assert lens.front.sag(x, 5.0) == pytest.approx(bernstein, abs=1e-12)
 
 
-ORIENTATIONS = [(v, h, r, z) for v in ("top", "bottom") for h in ("left", "right") for r in ("horizontal", "vertical") for z in (1, -1)]
+ORIENTATIONS = [
+    (v, h, r, z)
+    for v in ("top", "bottom")
+    for h in ("left", "right")
+    for r in ("horizontal", "vertical")
+    for z in (1, -1)
+]
 
 
 @pytest.mark.parametrize(("vertical", "horizontal", "rows", "sign"), ORIENTATIONS)
@@ -164,7 +174,10 @@ BAD_LENSES = {
     "missing key": (LENS.replace("centre_thickness = 2.0\n", ""), "centre_thickness: this key is missing"),
     "wrong type": (LENS.replace("centre_thickness = 2.0", 'centre_thickness = "thin"'), "centre_thickness"),
     "not a number": (LENS.replace("centre_thickness = 2.0", "centre_thickness = nan"), "centre_thickness"),
-    "thickness below zero": (LENS.replace("radius = 100.0", "radius = 150.0").replace("= 120.0", "= 90.0"), "mm thick at x"),
+    "thickness below zero": (
+        LENS.replace("radius = 100.0", "radius = 150.0").replace("= 120.0", "= 90.0"),
+        "mm thick at x",
+    ),
     "unknown material": (LENS.replace("CR-39", "CR-40"), "polycarbonate"),
     "unknown surface type": (LENS.replace('type = "sphere"\nradius = 120.0', 'type = "ball"'), "front"),
     "two ways": (LENS.replace("radius = 120.0", "radius = 120.0\ncurvature = 0.01"), "exactly one of"),
@@ -173,7 +186,9 @@ BAD_LENSES = {
     "surface too small": (LENS.replace("radius = 120.0", "radius = 25.0"), "does not reach the outline"),
     "outline incomplete": (LENS.replace("diameter", "width"), "diameter"),
     "outline self-cut": (
-        LENS.replace('shape = "circle", diameter = 60', 'shape = "points", points = [[0,0],[10,0],[1,1],[0,10],[-9,-9],[0.5,9]]'),
+        LENS.replace(
+            'shape = "circle", diameter = 60', 'shape = "points", points = [[0,0],[10,0],[1,1],[0,10],[-9,-9],[0.5,9]]'
+        ),
         "star-shaped",
     ),
     "inset to the wrong side": (LENS + "[points]\nnear_reference_point = [-2, -12]\nnear_inset = 2\n", "near_inset"),
@@ -194,7 +209,9 @@ BAD_LENSES = {
 @pytest.mark.parametrize("case", BAD_LENSES)
 def test_bad_lens_file(tmp_path, case):
     text, expected = BAD_LENSES[case]
-    sentence_about(lambda: lb.load_lens(write(tmp_path, text)), "file.toml" if "point file" not in case else "no.sdf", expected)
+    sentence_about(
+        lambda: lb.load_lens(write(tmp_path, text)), "file.toml" if "point file" not in case else "no.sdf", expected
+    )
 
 
 BAD_WEARERS = {
@@ -261,10 +278,12 @@ def test_too_few_points(tmp_path):
 def test_any_bytes_give_a_sentence_or_a_surface(tmp_path_factory, content):
     path = tmp_path_factory.mktemp("fuzz") / "a.sdf"
     path.write_bytes(b"SURFMT=1;R;F;3;3;6;6;0\nZZ=" + content)
+    sentence = ""
     try:
         read_sdf(path)
     except InputError as error:
-        assert "a.sdf" in str(error)
+        sentence = str(error)
+    assert not sentence or "a.sdf" in sentence
 
 
 def sentence_about(action, file: str, expected: str) -> None:

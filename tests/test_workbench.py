@@ -9,8 +9,11 @@ import pytest
 import lensbench as lb
 from lensbench.cli import main
 from lensbench.errors import InputError
+from lensbench.optics import surfaces
 from lensbench.optics.conventions import Status, mean_power
 from lensbench.optics.gaze import look_through
+from lensbench.optics.lens import Lens, circle_outline
+from lensbench.optics.materials import MATERIALS
 from lensbench.scenes.scene import Part, Scene
 from lensbench.workbench import (
     QUANTITIES,
@@ -64,7 +67,10 @@ def test_every_quantity_has_finite_values_and_a_unit(progressive, wearer, quanti
 
 def test_addition_shows_in_the_map(progressive, wearer):
     lens_map = run(Request(progressive, wearer, MapLayer("mean_power", samples=61)))
-    at = {y: lens_map.values[np.argmin(abs(lens_map.y - y)), np.argmin(abs(lens_map.x - x))] for x, y in ((0, 8), (2.5, -13))}
+    at = {
+        y: lens_map.values[np.argmin(abs(lens_map.y - y)), np.argmin(abs(lens_map.x - x))]
+        for x, y in ((0, 8), (2.5, -13))
+    }
     assert at[-13] - at[8] == pytest.approx(2.2, abs=0.3)
 
 
@@ -163,3 +169,10 @@ def test_assumed_wearer_follows_the_order():
 def test_a_request_that_lacks_something(progressive, wearer, layer, lens, word):
     with pytest.raises(InputError, match=word):
         run(Request(progressive if lens else None, wearer, layer))
+
+
+def test_a_lens_that_no_ray_passes(wearer):
+    prism_of_50_degrees = surfaces.plane(tilt=(np.radians(50.0), 0.0))
+    steep = Lens(prism_of_50_degrees, surfaces.plane(), 14.0, MATERIALS["CR-39"], circle_outline(6))
+    with pytest.raises(InputError, match="no line of sight"):
+        run(Request(steep, wearer, MapLayer("mean_power", samples=11)))
