@@ -1,0 +1,25 @@
+"""What the documentation shows, works."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_the_python_example_runs(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "use.md").read_text(), re.DOTALL)
+    names: dict = {}
+    exec(compile(example, "docs/use.md", "exec"), names)
+    assert len(names["sphere"]) == 64 * 64
+    assert names["blur"].shape == (1, 2, 2)
+
+
+def test_every_key_is_documented():
+    from lensbench.formats import lens_file, wearer_file
+    from lensbench.formats.toml_file import Table
+
+    text = (ROOT / "docs" / "files.md").read_text()
+    tables = [t for m in (lens_file, wearer_file) for t in vars(m).values() if isinstance(t, type) and issubclass(t, Table)]
+    keys = {key for table in tables for key in table.model_fields}
+    assert {key for key in keys if not re.search(rf"\b{key}\b", text)} == set()
