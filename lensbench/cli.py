@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from .optics.lens import Lens
 
 UNITS_IN_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
-GAZES = {"far": 0.0, "intermediate": -11.0, "near": -27.0}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -55,7 +54,9 @@ def parser() -> argparse.ArgumentParser:
 
     view = _verb(verbs, "view", write_view, "what the wearer sees of the built-in scene, as PNG")
     _lens_and_wearer(view)
-    view.add_argument("--look", choices=GAZES, default="far", help="gaze at the picture's centre")
+    view.add_argument(
+        "--look", choices=["far", "intermediate", "near"], default="far", help="gaze at the picture's centre"
+    )
     view.add_argument("--gaze", type=float, nargs=2, metavar=("AZ", "EL"), help="the same in degrees, left and up")
     view.add_argument("--eye", choices=["lens", "naked", "pinhole"], default="lens")
     view.add_argument("--size", type=int, nargs=2, default=(960, 720), metavar=("W", "H"))
@@ -211,19 +212,17 @@ def _draw_map(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: 
 def write_view(args: argparse.Namespace) -> None:
     """lensbench view LENS."""
     from .scenes.builtin import load_scene
-    from .workbench import Request, ViewLayer, run
+    from .workbench import Request, ViewLayer, look, run
 
     _kind(args.output, ".png")
     if args.json:
         raise InputError("view: a picture has no numbers to print; leave out --json")
     lens, wearer = _load(args)
-    azimuth, elevation = args.gaze or (0.0, GAZES[args.look])
+    gaze = tuple(map(math.radians, args.gaze)) if args.gaze else look(args.look, lens, wearer)
     if not 5 <= args.fov <= 120 or min(args.size) < 16 or max(args.size) > 8192 or not 1 <= args.passes <= 4096:
         raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels, --passes 1 to 4096")
-    layer = ViewLayer(
-        args.eye, math.radians(azimuth), math.radians(elevation), math.radians(args.fov / 2), tuple(args.size),
-        accommodation(args.accommodation),
-    )  # fmt: skip
+    rule = accommodation(args.accommodation)
+    layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
     seen = run(Request(lens, wearer, layer, load_scene("room")))
     from .views.jitter import render_view
     from .views.maps import save_png

@@ -94,12 +94,32 @@ class ViewLayer:
     accommodation: Accommodation = "retina"
 
 
+LOOKS = {"far": (0.0, np.inf), "intermediate": (-11.0, 760.0), "near": (-27.0, 390.0)}
+
+
+def look(name: str, lens: Lens, wearer: Wearer) -> tuple[float, float]:
+    """Azimuth and elevation (rad) of a gaze at the middle of the built-in scene: "far", "intermediate" or "near".
+
+    LOOKS gives the elevation (degrees) and the distance (mm) at which the eye converges on the face's midline.
+    """
+    elevation, distance = LOOKS[name]
+    return float(np.arctan2(_midline(lens, wearer), distance)), float(np.radians(elevation))
+
+
+def _midline(lens: Lens, wearer: Wearer) -> float:
+    """x (mm, wear frame) of the face's midline: towards the nose."""
+    return wearer.wear.pupillary_distance if lens.side == "R" else -wearer.wear.pupillary_distance
+
+
 Layer = MapLayer | ProfileLayer | PointsLayer | EllipseLayer | VoxelLayer | ViewLayer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Request:
-    """One question to the optics. lens None: the naked eye (views and ellipses only). scene: for what needs one."""
+    """One question to the optics. lens None: the naked eye (views and ellipses only). scene: for what needs one.
+
+    A scene is centred on the face's midline; the lens's side and the pupillary distance say where the eye is.
+    """
 
     lens: Lens | None
     wearer: Wearer
@@ -265,7 +285,7 @@ QUANTITIES = {
     "astigmatic_error": Quantity("Astigmatic error", "D", lambda f, s, a: astigmatism(f.power_error(s))),
     "residual_mean": Quantity("Residual mean defocus", "D", lambda f, s, a: mean_power(f.residual_defocus(s, a))),
     "accommodation": Quantity("Accommodation in use", "D", lambda f, s, a: f.accommodation(s, a)),
-    "defocus": Quantity("Defocus 2|eps|", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
+    "defocus": Quantity("Defocus 2|ε|", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
     "prism": Quantity("Prism", "cm/m", lambda f, s, a: f.prism().prism),
     "prism_horizontal": Quantity("Horizontal prism", "cm/m", _prism_part(0)),
     "prism_vertical": Quantity("Vertical prism", "cm/m", _prism_part(1)),
@@ -306,9 +326,10 @@ def _needed_lens(request: Request) -> Lens:
 
 
 def _needed_scene(request: Request) -> Scene:
+    """The scene as it stands before this eye: a scene is centred on the face's midline (without a lens: on the eye)."""
     if request.scene is None:
         raise InputError("this needs a scene: name one, or give an object distance")
-    return request.scene
+    return request.scene.moved(_midline(request.lens, request.wearer)) if request.lens else request.scene
 
 
 @_answer.register

@@ -1,6 +1,7 @@
 """Requests and results: one question, the same arrays whoever asks."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +26,7 @@ from lensbench.workbench import (
     ViewLayer,
     VoxelLayer,
     assumed_wearer,
+    look,
     run,
 )
 
@@ -122,12 +124,11 @@ def test_voxels_are_columns_of_the_gaze_field(progressive, wearer):
 
 def test_view_meets_every_vertex_and_spreads_it_by_the_field(progressive, wearer):
     seen = run(Request(progressive, wearer, ViewLayer(), Scene("wall", (WALL,))))
-    field = lb.look_at(progressive, wearer, WALL.points[:1], within_outline=False)
-    assert seen.through[0].gaze[0] == pytest.approx(field.directions[0], abs=1e-12)
-    spread = seen.through[0].spread[0]
-    assert np.linalg.svd(spread)[1] == pytest.approx(
-        np.linalg.svd(field.apparent_blur(field.distances_to(WALL.points[:1])))[1][0], rel=1e-9
-    )
+    corner = WALL.points[:1] + np.array([wearer.wear.pupillary_distance, 0, 0])
+    field = lb.look_at(progressive, wearer, corner, within_outline=False)
+    assert seen.through[0].gaze[0] == pytest.approx(field.directions[0], abs=1e-10)
+    blur = field.apparent_blur(field.distances_to(corner))[0]
+    assert np.linalg.svd(seen.through[0].spread[0])[1] == pytest.approx(np.linalg.svd(blur)[1], rel=1e-8)
     assert len(seen.rims) == 2
 
 
@@ -139,6 +140,15 @@ def test_pinhole_view_is_sharp_and_naked_view_is_straight(wearer, progressive):
     straight = WALL.points - wearer.centre_of_rotation
     assert naked.through[0].gaze == pytest.approx(straight / np.linalg.norm(straight, axis=1, keepdims=True))
     assert naked.around is None
+
+
+def test_the_nose_is_on_the_other_side_of_a_left_lens(progressive, wearer):
+    left = replace(progressive, side="L")
+    midline = {lens.side: look("near", lens, wearer)[0] for lens in (progressive, left)}
+    assert midline["R"] == pytest.approx(np.arctan2(32.0, 390.0))
+    assert midline["L"] == -midline["R"]
+    straight_on = run(Request(left, wearer, ViewLayer("naked"), Scene("wall", (WALL,)))).through[0]
+    assert straight_on.part.points[:, 0] == pytest.approx(WALL.points[:, 0] - 32.0)
 
 
 def test_the_command_line_asks_the_same_question(progressive, capsys):

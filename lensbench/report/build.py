@@ -18,6 +18,7 @@ from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..output import to_json, write_file
 from ..workbench import (
+    LOOKS,
     EllipseLayer,
     EllipseSheet,
     LensMap,
@@ -28,16 +29,16 @@ from ..workbench import (
     ProfileLayer,
     Request,
     ViewLayer,
+    look,
     run,
 )
-from .facts import Fact, lens_facts, wearer_facts
+from .facts import Fact, lens_facts, prescription_text, wearer_facts
 from .progress import Progress
 from .tables import distance_text
 
 DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
-LOOKS = {"far": 0.0, "intermediate": -11.0, "near": -27.0}
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
-PASSES = {"lens": 32, "naked": 32, "pinhole": 8}
+PASSES, PINHOLE_PASSES = 32, 8
 UNITS = {
     "x": "mm", "y": "mm", "depth": "mm", "distance": "mm", "semi_major": "mm", "semi_minor": "mm",
     "azimuth": "degrees, towards the wearer's left", "elevation": "degrees, upwards", "axis": "degrees TABO",
@@ -86,9 +87,9 @@ def build_report(lens: Lens, wearer: Wearer, folder: Path, distances: Sequence[f
     pictures = flat_pictures(lens, findings)
     progress.step("lens and ellipses in space")
     pictures |= spatial_pictures(lens, wearer, findings)
-    for look, elevation in LOOKS.items():
-        progress.step(f"view {look}")
-        pictures[f"view_{look}"] = view_picture(lens, wearer, scene, look, elevation)
+    for name in LOOKS:
+        progress.step(f"view {name}")
+        pictures[f"view_{name}"] = view_picture(lens, wearer, scene, name)
     progress.step("page")
     for picture in pictures.values():
         write_file(folder / picture.name, picture.png)
@@ -154,16 +155,21 @@ def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str
     return pictures
 
 
-def view_picture(lens: Lens, wearer: Wearer, scene: Any, look: str, elevation: float) -> Picture:
+def view_picture(lens: Lens, wearer: Wearer, scene: Any, name: str) -> Picture:
     """The scene looking far, intermediate or near: with the lens, without it, and sharp through a pinhole."""
     from ..views.jitter import render_view, side_by_side
 
-    panels = []
-    for eye, title in EYES.items():
-        seen = run(Request(lens, wearer, ViewLayer(eye, elevation=math.radians(elevation)), scene))
-        panels.append((title, render_view(seen, PASSES[eye])))
-    caption = f"Looking {look}: gaze {elevation:+.0f}° at the centre, 50° wide"
-    return _array(f"view_{look}", caption, side_by_side(panels, caption))
+    gaze = look(name, lens, wearer)
+    seen = {eye: run(Request(lens, wearer, ViewLayer(eye, *gaze), scene)) for eye in EYES}
+    naked = render_view(seen["naked"], PASSES)
+    drawn = {
+        "lens": render_view(seen["lens"], PASSES, around=naked),
+        "naked": naked,
+        "pinhole": render_view(seen["pinhole"], PINHOLE_PASSES),
+    }
+    azimuth, elevation = np.degrees(gaze)
+    caption = f"Looking {name}: gaze {elevation:+.0f}° up and {azimuth:+.1f}° left at the centre, 50° wide"
+    return _array(f"view_{name}", caption, side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption))
 
 
 def _figure(name: str, caption: str, figure: Any) -> Picture:
@@ -213,6 +219,7 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         pictures=pictures,
         looks=LOOKS,
         inf=math.inf,
+        prescription=prescription_text,
         failed={name: _failed(m) for name, m in findings.maps.items() if _failed(m)},
         today=date.today().isoformat(),
         version=__version__,

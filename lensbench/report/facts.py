@@ -18,12 +18,15 @@ class Fact(NamedTuple):
     value: object
 
 
-def prescription_text(matrix: Floats) -> str:
-    """A power matrix (2, 2) in D as written in a prescription: sphere / cylinder x axis."""
-    sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(matrix))
+def prescription_text(sphere: float, cylinder: float, axis: float) -> str:
+    """Sphere / cylinder x axis as written in a prescription (D, degrees)."""
     if abs(cylinder) < 0.005:
-        return f"{sphere:+.2f} D"
-    return f"{sphere:+.2f} / {cylinder:+.2f} x {axis:.0f} D"
+        return f"{sphere:+.2f}"
+    return f"{sphere:+.2f} / {cylinder:+.2f} x {axis:.0f}"
+
+
+def _power_text(matrix: Floats) -> str:
+    return prescription_text(*(float(v) for v in sphere_cylinder_axis(matrix))) + " D"
 
 
 def file_facts(found: Lens | Wearer | PointGrid) -> list[Fact]:
@@ -75,7 +78,7 @@ def lens_facts(lens: Lens) -> list[Fact]:
         facts.append(
             Fact(
                 "Ordered power",
-                prescription_text(o.power()) + addition + prism,
+                prescription_text(o.sphere, o.cylinder, o.axis) + " D" + addition + prism,
                 {name: getattr(o, name) for name in ("sphere", "cylinder", "axis", "addition", "prism", "prism_base")},
             )
         )
@@ -85,7 +88,7 @@ def lens_facts(lens: Lens) -> list[Fact]:
 def wearer_facts(wearer: Wearer) -> list[Fact]:
     """The wearer: refraction and accommodation (D), pupil and distances (mm), angles (degrees)."""
     eye, wear = wearer.eye, wearer.wear
-    refraction = prescription_text(eye.refraction)
+    refraction = _power_text(eye.refraction)
     panto, face = float(np.degrees(wear.pantoscopic_angle)), float(np.degrees(wear.face_form_angle))
     facts = [Fact("Name", wearer.name, wearer.name)]
     if wearer.age is not None:
@@ -93,7 +96,7 @@ def wearer_facts(wearer: Wearer) -> list[Fact]:
     return [
         *facts,
         Fact("Refraction", f"{refraction}, {eye.refraction_vertex_distance:g} mm before the cornea", refraction),
-        Fact("Refraction at the pupil", prescription_text(eye.pupil_refraction), eye.pupil_refraction),
+        Fact("Refraction at the pupil", _power_text(eye.pupil_refraction), eye.pupil_refraction),
         Fact("Amplitude of accommodation", f"{eye.accommodation:.2f} D", eye.accommodation),
         Fact("Pupil diameter", f"{eye.pupil_diameter:.2f} mm", eye.pupil_diameter),
         Fact("Vertex distance", f"{wear.vertex_distance:g} mm", wear.vertex_distance),

@@ -16,43 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from ..errors import InputError, LensBenchError
-from ..optics.conventions import Floats, unit
-from .scene import Part, Scene
+from .scene import Part, Scene, rectangle
 
 Pixels = NDArray[np.uint8]
 Colour = tuple[int, int, int]
 
-FINEST = float(np.radians(1.05))
 FLOOR, CEILING, DESK, WALL = -1200.0, 1600.0, -460.0, 6000.0
 INK, PAPER, BLUE, RED, GREY = (26, 28, 32), (250, 247, 238), (24, 74, 138), (178, 44, 40), (150, 154, 160)
-
-# ---- rectangles -------------------------------------------------------------------------------------------------------
-
-
-def rectangle(name: str, centre: ArrayLike, across: ArrayLike, upward: ArrayLike, image: Pixels) -> Part:
-    """A textured rectangle, divided so that no side of a cell is wider than 1.05 degrees seen from the lens.
-
-    centre, and half edges across (to the image's right) and upward: (3,) mm, wear frame. Its diagonals stay below 2 degrees.
-    """
-    c, a, b = (np.asarray(v, dtype=float) for v in (centre, across, upward))
-    s, t = _nodes(c, a, b), _nodes(c, b, a)
-    u, v = (g.ravel() for g in np.meshgrid(s, t))
-    points = c + u[:, None] * a + v[:, None] * b
-    corner = (np.arange(t.size - 1)[:, None] * s.size + np.arange(s.size - 1)).ravel()
-    right, above, opposite = corner + 1, corner + s.size, corner + s.size + 1
-    triangles = np.concatenate([np.stack([corner, right, opposite], 1), np.stack([corner, opposite, above], 1)])
-    return Part(name, points, triangles, np.stack([u + 1, v + 1], axis=-1) / 2, image)
-
-
-def _nodes(centre: Floats, along: Floats, other: Floats) -> Floats:
-    """Parameters in [-1, 1] along one edge, whose steps are at most FINEST wide anywhere across the rectangle."""
-    fine = np.linspace(-1, 1, 401)
-    seen = unit(centre + fine[:, None, None] * along + np.linspace(-1, 1, 41)[:, None] * other)
-    step = np.linalg.norm(np.diff(seen, axis=0), axis=2).max(axis=1)
-    turned = np.concatenate([[0.0], np.cumsum(step)])
-    count = int(np.ceil(turned[-1] / FINEST))
-    return np.interp(np.linspace(0, turned[-1], count + 1), turned, fine)
-
 
 # ---- drawing ----------------------------------------------------------------------------------------------------------
 
@@ -120,7 +90,7 @@ def _tiles(size: tuple[int, int], tile: tuple[int, int], joint: int, colours: tu
     shade = chance.normal(1.0, 0.035, (int(row.max()) + 1, int(column.max()) + 1)).astype(np.float32)[row, column]
     inside = (y % tile[1] >= joint) & (shifted % tile[0] >= joint)
     grain = chance.integers(-3, 4, (size[1], size[0]), dtype=np.int16)
-    channels = [np.where(inside, shade * face, edge).astype(np.int16) + grain for face, edge in zip(*colours, strict=True)]
+    channels = [np.where(inside, shade * face, edge) + grain for face, edge in zip(*colours, strict=True)]
     return np.clip(np.stack(channels, axis=-1), 0, 255).astype(np.uint8)
 
 
@@ -160,7 +130,10 @@ NEWS = [
     "CROSSWORD  7 across: it bends",
     "but does not break (5, 3, 2).",
 ]
-LADDER = [(9.0, "E H N"), (6.5, "D F N P"), (4.6, "P T X Z U"), (3.3, "U Z D T F"), (2.4, "D F N P T H"), (1.7, "P H U N T D Z")]  # fmt: skip
+LADDER = [
+    (9.0, "E H N"), (6.5, "D F N P"), (4.6, "P T X Z U"),
+    (3.3, "U Z D T F"), (2.4, "D F N P T H"), (1.7, "P H U N T D Z"),
+]  # fmt: skip
 
 
 def page() -> Pixels:
@@ -199,12 +172,18 @@ def _rings(s: Sheet, x: float, y: float, radius: float) -> None:
 
 # ---- the screen at 76 cm ----------------------------------------------------------------------------------------------
 
-REPORT = ["Read this line with the zone", "for the middle distance. Its", "letters are as high as those", "of a web page at arm's", "length and a little more."]  # fmt: skip
-TABLE = [("gaze", "power", "cyl"), ("0°", "+0.00", "0.05"), ("-10°", "+0.75", "0.31"), ("-20°", "+1.50", "0.44"), ("-28°", "+2.00", "0.22")]  # fmt: skip
+REPORT = [
+    "Read this line with the zone", "for the middle distance. Its", "letters are as high as those",
+    "of a web page at arm's", "length and a little more.",
+]  # fmt: skip
+TABLE = [
+    ("month", "pairs", "+/-"), ("May", "1204", "+31"), ("June", "1377", "+173"),
+    ("July", "1290", "-87"), ("August", "968", "-322"),
+]  # fmt: skip
 
 
 def screen() -> Pixels:
-    """A monitor with its frame, 420 x 196 mm: text, a graph, a table and fine lines."""
+    """A monitor with its frame, laid out on 420 x 196: text, a graph, a table and fine lines."""
     s = Sheet(420, 196, 5, (30, 32, 36))
     s.box(6, 6, 408, 180, (244, 246, 249))
     s.box(6, 6, 408, 17, BLUE)
@@ -228,18 +207,18 @@ def screen() -> Pixels:
 
 
 def _graph(s: Sheet, x: float, y: float, w: float, h: float) -> None:
-    """Power against gaze: a grid of fine lines and two curves."""
+    """A graph: a grid of fine lines and two curves."""
     s.box(x, y, w, h, (255, 255, 255), GREY, 0.6)
     for k in range(1, 13):
         s.line([(x + w * k / 13, y), (x + w * k / 13, y + h)], 0.4, (205, 210, 218))
     for k in range(1, 7):
         s.line([(x, y + h * k / 7), (x + w, y + h * k / 7)], 0.4, (205, 210, 218))
     t = np.linspace(0, 1, 120)
-    rise = 1 / (1 + np.exp(-9 * (t - 0.5)))
-    s.line(np.stack([x + w * t, y + h * (0.88 - 0.74 * rise)], axis=-1), 1.8, BLUE)
-    s.line(np.stack([x + w * t, y + h * (0.9 - 0.42 * np.exp(-(((t - 0.55) / 0.2) ** 2)))], axis=-1), 1.8, RED)
-    s.text(x + 8, y + 17, "mean power", 9, "Sans-Bold", BLUE)
-    s.text(x + 8, y + 30, "astigmatism", 9, "Sans-Bold", RED)
+    rise, wave = 1 / (1 + np.exp(-9 * (t - 0.5))), np.exp(-(((t - 0.55) / 0.2) ** 2))
+    for height, ink in ((0.88 - 0.74 * rise, BLUE), (0.9 - 0.42 * wave, RED)):
+        s.line(np.stack([x + w * t, y + h * height], axis=-1), 1.8, ink)
+    s.text(x + 8, y + 17, "progressive", 9, "Sans-Bold", BLUE)
+    s.text(x + 8, y + 30, "single vision", 9, "Sans-Bold", RED)
 
 
 def keyboard() -> Pixels:
@@ -256,7 +235,10 @@ def keyboard() -> Pixels:
 
 # ---- the room at 6 m --------------------------------------------------------------------------------------------------
 
-CHART = [(230, "E  F  P"), (165, "T  O  Z  L"), (118, "P  E  D  F  C"), (84, "F  E  L  O  P  Z  D"), (60, "D  E  F  P  O  T  E  C")]  # fmt: skip
+CHART = [
+    (230, "E  F  P"), (165, "T  O  Z  L"), (118, "P  E  D  F  C"),
+    (84, "F  E  L  O  P  Z  D"), (60, "D  E  F  P  O  T  E  C"), (44, "L  E  F  O  D  P  C  T"),
+]  # fmt: skip
 WELCOME = ["Six metres away", "is far enough for", "the eye to rest."]
 
 
@@ -264,8 +246,8 @@ def sign() -> Pixels:
     """The lecture room's slide, 2900 x 1160 mm: a headline, running text and rows of letters."""
     s = Sheet(2900, 1160, 0.62, (252, 252, 250))
     s.box(0, 0, 2900, 235, BLUE)
-    s.text(90, 172, "FAR VISION", 165, "Sans-Bold", (255, 255, 255))
-    s.text(2810, 172, "6 m", 165, "Sans-Bold", (255, 214, 90), at="rs")
+    s.text(90, 180, "FAR VISION", 165, "Sans-Bold", (255, 255, 255))
+    s.text(2810, 180, "6 m", 165, "Sans-Bold", (255, 214, 90), at="rs")
     s.lines(90, 410, WELCOME, 128, "Sans")
     for k, turn in enumerate((0, 30, 60, 90, 120, 150)):
         a = np.radians(turn)
@@ -273,19 +255,18 @@ def sign() -> Pixels:
             x, y = 190 + 215 * k - off * np.sin(a), 930 + off * np.cos(a)
             s.line([(x - 80 * np.cos(a), y - 80 * np.sin(a)), (x + 80 * np.cos(a), y + 80 * np.sin(a))], 14, INK)
     s.line([(1440, 300), (1440, 1090)], 8, GREY)
-    y = 290.0
+    y = 262.0
     for size, letters in CHART:
-        y += 0.92 * size
+        y += 0.76 * size + 44
         s.text(2150, y, letters, size, "Sans-Bold", at="ms")
     s.box(0, 0, 2900, 1160, None, (60, 62, 66), 22)
     return s.pixels()
 
 
 def clock() -> Pixels:
-    """A clock's face in a square of the wall's colour, 460 mm."""
-    s = Sheet(460, 460, 1, (232, 226, 214))
-    s.disc(230, 230, 222, (48, 52, 58))
-    s.disc(230, 230, 202, (253, 253, 251))
+    """A square clock, 460 mm."""
+    s = Sheet(460, 460, 1, (48, 52, 58))
+    s.box(18, 18, 424, 424, (253, 253, 251))
     for hour in range(1, 13):
         a = np.radians(30 * hour)
         s.text(230 + 160 * np.sin(a), 230 - 160 * np.cos(a), str(hour), 62, "Sans-Bold", at="mm")
@@ -315,7 +296,8 @@ def window() -> Pixels:
     x = np.linspace(0, 1150, 80)
     for base, height, colour in ((880, 90, (126, 164, 150)), (1000, 60, (104, 150, 92)), (1130, 40, (74, 122, 66))):
         hill = base - height * np.sin(x / 150 + base) - 0.4 * height * np.sin(x / 61)
-        s.pen.polygon([(0, 1350 * s.scale), *zip(x * s.scale, hill * s.scale, strict=True), (575, 1350 * s.scale)], colour)
+        land = np.vstack([np.stack([x, hill], axis=-1), [[1150, 1350], [0, 1350]]]) * s.scale
+        s.pen.polygon([tuple(corner) for corner in land], colour)
     s.disc(830, 250, 70, (255, 246, 200))
     s.box(0, 0, 1150, 1350, None, (246, 244, 238), 70)
     for left, top, w, h in ((545, 0, 60, 1350), (0, 620, 1150, 50)):
@@ -355,9 +337,9 @@ def _lying(name: str, middle: tuple[float, float, float], size: tuple[float, flo
 def _desk_parts() -> list[Part]:
     stand = _plain((70, 73, 78))
     return [
-        _facing("page", -28.0, 392.0, (210, 145), page()),
-        _facing("screen", -11.0, 760.0, (420, 196), screen()),
-        rectangle("neck", [0, -370, 770], [-35, 0, 0], [0, 90, 0], stand),
+        _facing("page", -29.0, 392.0, (210, 145), page()),
+        _facing("screen", -10.4, 760.0, (390, 182), screen()),
+        rectangle("neck", [0, -340, 790], [-35, 0, 0], [0, 120, 0], stand),
         _lying("foot", (0, DESK + 6, 745), (240, 130), stand),
         _lying("keyboard", (0, DESK + 12, 470), (340, 120), keyboard()),
         _lying("desk", (0, DESK, 590), (1700, 780), _wood((1700, 780), 130, (186, 134, 88))),
@@ -373,14 +355,14 @@ def _room_parts() -> list[Part]:
     parts = [
         rectangle("wall", [0, middle, WALL], [-3400, 0, 0], [0, height / 2, 0], front),
         _lying("floor", (0, FLOOR, 3500), (6800, 5000), floor),
-        rectangle("ceiling", [0, CEILING, 4000], [-3400, 0, 0], [0, 0, -2000], _ceiling()),
-        _on_wall("sign", 0, 170, (2900, 1160), sign()),
+        rectangle("ceiling", [0, CEILING, 3500], [-3400, 0, 0], [0, 0, -2500], _ceiling()),
+        _on_wall("sign", 0, 220, (2900, 1160), sign()),
         _on_wall("clock", 0, 1110, (460, 460), clock()),
         _on_wall("door", 2420, FLOOR + 1075, (1020, 2150), door()),
         _on_wall("window", -2420, 250, (1150, 1350), window()),
     ]
     for name, x in (("left wall", 3400.0), ("right wall", -3400.0)):
-        parts.append(rectangle(name, [x, middle, 3700], [0, 0, np.sign(x) * 2300], [0, height / 2, 0], side))
+        parts.append(rectangle(name, [x, middle, 3600], [0, 0, np.sign(x) * 2400], [0, height / 2, 0], side))
     for x in (-1500.0, 0.0, 1500.0):
         parts.append(_lying("lamp", (x, CEILING - 25, 4600), (300, 1200), lamp()))
     return parts
@@ -391,7 +373,7 @@ def _ceiling() -> Pixels:
 
 
 def room() -> Scene:
-    """A wearer at a desk: page (40 cm, 28 degrees down), screen (76 cm, 11 degrees down), slide straight ahead at 6 m."""
+    """A wearer at a desk: page (40 cm, 29 degrees down), screen (76 cm, 10 degrees down), slide straight ahead at 6 m."""
     return Scene("room", (*_desk_parts(), *_room_parts()))
 
 
