@@ -171,9 +171,10 @@ def write_report(args: argparse.Namespace) -> None:
 
 def write_map(args: argparse.Namespace) -> None:
     """lensbench map LENS."""
+    from .layers import MapLayer, Request
     from .output import to_json, write_file
     from .scenes.builtin import load_scene
-    from .workbench import MapLayer, Request, run
+    from .workbench import run
 
     kind = _kind(args.output, ".png", ".svg", ".csv", ".json")
     lens, wearer = _load(args)
@@ -211,8 +212,9 @@ def _draw_map(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: 
 
 def write_view(args: argparse.Namespace) -> None:
     """lensbench view LENS."""
+    from .layers import Request, ViewLayer
     from .scenes.builtin import load_scene
-    from .workbench import Request, ViewLayer, look, run
+    from .workbench import look, run
 
     _kind(args.output, ".png")
     if args.json:
@@ -233,9 +235,10 @@ def write_view(args: argparse.Namespace) -> None:
 
 def write_ellipses(args: argparse.Namespace) -> None:
     """lensbench eoc LENS."""
+    from .layers import EllipseLayer, Request
     from .output import to_json, write_file
     from .report.tables import ellipse_rows, ellipses_csv
-    from .workbench import EllipseLayer, Request, run
+    from .workbench import run
 
     lens, wearer = _load(args)
     rule = accommodation(args.accommodation)
@@ -263,8 +266,9 @@ def _write_voxels(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", rule
 
     import numpy as np
 
+    from .layers import Request, VoxelLayer
     from .output import write_file
-    from .workbench import Request, VoxelLayer, run
+    from .workbench import run
 
     path = args.output if args.output != Path("eoc.png") else Path("blur_field.npz")
     _kind(path, ".npz")

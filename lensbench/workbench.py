@@ -5,13 +5,30 @@ The command line, the report and the window all build Requests and call run(); n
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import singledispatch
+from functools import lru_cache, singledispatch
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
+from .layers import (
+    EllipseLayer,
+    EllipseSheet,
+    Layer,
+    LensMap,
+    MapLayer,
+    PointReading,
+    PointsLayer,
+    Profile,
+    ProfileLayer,
+    Request,
+    SeenPart,
+    SeenScene,
+    ViewLayer,
+    VoxelField,
+    VoxelLayer,
+)
 from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, read_only, unit
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import Accommodation, GazeField
@@ -27,71 +44,19 @@ from .optics.gaze import (
 from .optics.lens import Lens, Order, Outline
 from .scenes.scene import Part, Scene
 
-# ---- layers: what can be asked for ----
+# ---- who looks, and where to ----
 
 
-@dataclass(frozen=True, slots=True)
-class MapLayer:
-    """A quantity over the front surface. distance: mm from the front surface, inf, or "scene" (first hit of each ray)."""
+def assumed_wearer(lens: Lens) -> Wearer:
+    """The wearer whom the lens's order suggests, for when none is given.
 
-    quantity: str
-    distance: float | str = np.inf
-    accommodation: Accommodation = "retina"
-    samples: int = 121
-
-
-@dataclass(frozen=True, slots=True)
-class ProfileLayer:
-    """As-worn power along the lens's main meridian, for objects at `distance` mm."""
-
-    distance: float = np.inf
-    samples: int = 121
-
-
-@dataclass(frozen=True, slots=True)
-class PointsLayer:
-    """As-worn power at the reference points. The near reference point is read at the wearer's near distance."""
-
-
-@dataclass(frozen=True, slots=True)
-class EllipseLayer:
-    """Ellipses of confusion on planes straight ahead, at depths (mm) from the back vertex, on an n x n gaze grid."""
-
-    depths: tuple[float, ...] = (270.0, 780.0, 3400.0)
-    n: int = 32
-    half_angle: float = float(np.radians(28.0))
-    accommodation: Accommodation = "retina"
-
-
-@dataclass(frozen=True, slots=True)
-class VoxelLayer:
-    """Blur matrices in the voxels of a view frustum: nx x ny gazes, nz planes equally spaced in NDC depth.
-
-    near, far: mm ahead of the centre of rotation. half_angle: rad. Kakimoto, Tatsukawa & Nishita 2010, section 4.
+    Refraction as ordered; accommodation 2 (2.5 D - addition): a near distance of 40 cm with half of the amplitude kept
+    in reserve; 4 mm pupil; average position of wear (13 mm, pantoscopic 8 degrees, face form 5 degrees).
     """
-
-    nx: int
-    ny: int
-    nz: int
-    near: float = 200.0
-    far: float = 10000.0
-    half_angle: float = float(np.radians(28.0))
-    accommodation: Accommodation = "retina"
-
-
-@dataclass(frozen=True, slots=True)
-class ViewLayer:
-    """What the turning eye sees of the scene. eye: "lens", "naked", or "pinhole" (through the lens, nothing blurred).
-
-    azimuth, elevation: gaze at the picture's centre, rad. half_width: rad. size: pixels (width, height).
-    """
-
-    eye: str = "lens"
-    azimuth: float = 0.0
-    elevation: float = 0.0
-    half_width: float = float(np.radians(25.0))
-    size: tuple[int, int] = (640, 480)
-    accommodation: Accommodation = "retina"
+    order = lens.ordered or Order()
+    wear = Wear(13.0, float(np.radians(8.0)), float(np.radians(5.0)))
+    eye = Eye(read_only(order.power()), wear.vertex_distance, max(0.0, 2 * (2.5 - order.addition)), 4.0)
+    return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
 
 
 LOOKS = {"far": (0.0, np.inf), "intermediate": (-11.0, 760.0), "near": (-27.0, 390.0)}
@@ -110,150 +75,6 @@ def _midline(lens: Lens, wearer: Wearer) -> float:
     """x (mm, wear frame) of the face's midline: towards the nose."""
     return wearer.wear.pupillary_distance if lens.side == "R" else -wearer.wear.pupillary_distance
 
-
-Layer = MapLayer | ProfileLayer | PointsLayer | EllipseLayer | VoxelLayer | ViewLayer
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Request:
-    """One question to the optics. lens None: the naked eye (views and ellipses only). scene: for what needs one.
-
-    A scene is centred on the face's midline; the lens's side and the pupillary distance say where the eye is.
-    """
-
-    lens: Lens | None
-    wearer: Wearer
-    layer: Layer
-    scene: Scene | None = None
-
-
-def assumed_wearer(lens: Lens) -> Wearer:
-    """The wearer whom the lens's order suggests, for when none is given.
-
-    Refraction as ordered; accommodation 2 (2.5 D - addition): a near distance of 40 cm with half of the amplitude kept
-    in reserve; 4 mm pupil; average position of wear (13 mm, pantoscopic 8 degrees, face form 5 degrees).
-    """
-    order = lens.ordered or Order()
-    wear = Wear(13.0, float(np.radians(8.0)), float(np.radians(5.0)))
-    eye = Eye(read_only(order.power()), wear.vertex_distance, max(0.0, 2 * (2.5 - order.addition)), 4.0)
-    return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
-
-
-# ---- results ----
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LensMap:
-    """values, status (ny, nx) of a quantity at lens points x (nx,), y (ny,) mm on the front surface; NaN where not OK."""
-
-    quantity: str
-    label: str
-    unit: str
-    x: Floats
-    y: Floats
-    values: Floats
-    status: NDArray[np.int8]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Profile:
-    """Power along the meridian: lens points x, y (n,) mm; mean, least and greatest as-worn power and astigmatism (n,) D."""
-
-    x: Floats
-    y: Floats
-    mean_power: Floats
-    least_power: Floats
-    greatest_power: Floats
-    astigmatism: Floats
-
-
-@dataclass(frozen=True, slots=True)
-class PointReading:
-    """As-worn reading at a reference point. Lens point mm, gaze degrees, powers D, prism cm/m, axis and base degrees.
-
-    mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D.
-    """
-
-    name: str
-    x: float
-    y: float
-    azimuth: float
-    elevation: float
-    distance: float
-    sphere: float
-    cylinder: float
-    axis: float
-    mean_power: float
-    astigmatism: float
-    prism: float
-    prism_base: float
-    mean_error: float | None
-    astigmatic_error: float | None
-    status: str
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EllipseSheet:
-    """Ellipses on one plane at `depth` mm. centre (n, 3) mm; spokes (n, 3, 2): images of the pupil's unit vectors, mm.
-
-    semi_major, semi_minor (n,) mm; orientation (n,) rad; accommodation (n,) D; status (n,).
-    """
-
-    depth: float
-    centre: Floats
-    spokes: Floats
-    semi_major: Floats
-    semi_minor: Floats
-    orientation: Floats
-    accommodation: Floats
-    status: NDArray[np.int8]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class VoxelField:
-    """blur (nz, ny, nx, 2, 2) mm across the outgoing rays; u (nx,), v (ny,): tangents of the gaze; depth (nz,): mm ahead
-    of the centre of rotation; status (ny, nx). NaN where a ray failed or the plane lies behind the lens.
-    """
-
-    u: Floats
-    v: Floats
-    depth: Floats
-    blur: Floats
-    status: NDArray[np.int8]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SeenPart:
-    """A part as the eye sees it. gaze (n, 3): apparent unit directions, wear frame; reach (n,): true distance, mm.
-
-    spread (n, 3, 2): change of the (not normalised) direction by the pupil's unit vectors; the point appears all over
-    gaze + spread @ d with d in the unit disc. Vertices that no ray meets hold NaN.
-    """
-
-    part: Part
-    gaze: Floats
-    reach: Floats
-    spread: Floats
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SeenScene:
-    """Everything a renderer needs: the camera stands at `eye` (3,) mm and its rows of `frame` (3, 3) are right-to-left,
-    up and ahead. through: parts seen through the lens (or by the naked eye); around: parts as seen past the lens's edge,
-    None for the naked eye. rims: closed curves (k, 2) in the picture plane (tangents along frame rows 0 and 1) within all
-    of which the lens is seen.
-    """
-
-    layer: ViewLayer
-    background: tuple[int, int, int]
-    eye: Floats
-    frame: Floats
-    through: tuple[SeenPart, ...]
-    around: tuple[SeenPart, ...] | None
-    rims: tuple[Floats, ...]
-
-
-Result = LensMap | Profile | tuple[PointReading, ...] | tuple[EllipseSheet, ...] | VoxelField | SeenScene
 
 # ---- quantities a map can show ----
 
@@ -339,18 +160,28 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     if layer.quantity not in QUANTITIES:
         raise InputError(f"unknown quantity {layer.quantity!r}; there are {', '.join(QUANTITIES)}")
     quantity = QUANTITIES[layer.quantity]
-    x, y = _square_samples(lens.outline, layer.samples)
-    px, py = (a.ravel() for a in np.meshgrid(x, y))
-    inside = lens.outline.contains(px, py)
-    field = look_through(lens, request.wearer, px[inside], py[inside])
-    _some_ray_passes(field)
+    x, y, inside, field = _map_field(lens, request.wearer, layer.samples)
     distance = _object_distance(layer.distance, field, request)
-    values = np.full(px.size, np.nan)
+    values = np.full(inside.size, np.nan)
     values[inside] = quantity.values(field, distance, layer.accommodation)
-    status = np.full(px.size, np.int8(Status.OUTSIDE_OUTLINE))
+    status = np.full(inside.size, np.int8(Status.OUTSIDE_OUTLINE))
     status[inside] = field.status
     shape = (y.size, x.size)
     return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
+
+
+@lru_cache(maxsize=4)
+def _map_field(lens: Lens, wearer: Wearer, samples: int) -> tuple[Floats, Floats, NDArray[np.bool_], GazeField]:
+    """Sample coordinates x (nx,), y (ny,) over the lens, which samples lie inside, and the field through those.
+
+    Kept for the next map of the same lens and wearer: all quantities are algebra on one trace.
+    """
+    x, y = _square_samples(lens.outline, samples)
+    px, py = (a.ravel() for a in np.meshgrid(x, y))
+    inside = lens.outline.contains(px, py)
+    field = look_through(lens, wearer, px[inside], py[inside])
+    _some_ray_passes(field)
+    return x, y, inside, field
 
 
 def _some_ray_passes(field: GazeField) -> None:

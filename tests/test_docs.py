@@ -20,6 +20,8 @@ def test_every_key_is_documented():
     from lensbench.formats.toml_file import Table
 
     text = (ROOT / "docs" / "files.md").read_text()
-    tables = [t for m in (lens_file, wearer_file) for t in vars(m).values() if isinstance(t, type) and issubclass(t, Table)]
+    tables = [
+        t for m in (lens_file, wearer_file) for t in vars(m).values() if isinstance(t, type) and issubclass(t, Table)
+    ]
     keys = {key for table in tables for key in table.model_fields}
     assert {key for key in keys if not re.search(rf"\b{key}\b", text)} == set()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from lensbench.errors import LensBenchError
+from lensbench.layers import Request, SeenScene, ViewLayer
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wear, Wearer
 from lensbench.optics.gaze import look_at
@@ -15,7 +16,7 @@ from lensbench.optics.materials import MATERIALS
 from lensbench.optics.surfaces import sphere
 from lensbench.scenes.builtin import load_scene
 from lensbench.scenes.scene import Scene, rectangle
-from lensbench.workbench import Request, SeenScene, ViewLayer, run
+from lensbench.workbench import run
 
 pytest.importorskip("vtkmodules")
 

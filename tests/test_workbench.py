@@ -10,25 +10,14 @@ import pytest
 import lensbench as lb
 from lensbench.cli import main
 from lensbench.errors import InputError
+from lensbench.layers import EllipseLayer, MapLayer, PointsLayer, ProfileLayer, Request, ViewLayer, VoxelLayer
 from lensbench.optics import surfaces
 from lensbench.optics.conventions import Status, mean_power
 from lensbench.optics.gaze import look_through
 from lensbench.optics.lens import Lens, circle_outline
 from lensbench.optics.materials import MATERIALS
 from lensbench.scenes.scene import Part, Scene
-from lensbench.workbench import (
-    QUANTITIES,
-    EllipseLayer,
-    MapLayer,
-    PointsLayer,
-    ProfileLayer,
-    Request,
-    ViewLayer,
-    VoxelLayer,
-    assumed_wearer,
-    look,
-    run,
-)
+from lensbench.workbench import QUANTITIES, assumed_wearer, look, run
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
 WALL = Part(

@@ -13,12 +13,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..optics.conventions import VERSION, Status
-from ..optics.eye import Wearer
-from ..optics.lens import Lens
-from ..output import to_json, write_file
-from ..workbench import (
-    LOOKS,
+from ..layers import (
     EllipseLayer,
     EllipseSheet,
     LensMap,
@@ -29,9 +24,12 @@ from ..workbench import (
     ProfileLayer,
     Request,
     ViewLayer,
-    look,
-    run,
 )
+from ..optics.conventions import VERSION, Status
+from ..optics.eye import Wearer
+from ..optics.lens import Lens
+from ..output import to_json, write_file
+from ..workbench import LOOKS, look, run
 from .facts import Fact, lens_facts, prescription_text, wearer_facts
 from .progress import Progress
 from .tables import distance_text
@@ -167,9 +165,15 @@ def view_picture(lens: Lens, wearer: Wearer, scene: Any, name: str) -> Picture:
         "naked": naked,
         "pinhole": render_view(seen["pinhole"], PINHOLE_PASSES),
     }
-    azimuth, elevation = np.degrees(gaze)
-    caption = f"Looking {name}: gaze {elevation:+.0f}° up and {azimuth:+.1f}° left at the centre, 50° wide"
+    caption = f"Looking {name}: {_gaze_text(*gaze)} at the centre, 50° wide"
     return _array(f"view_{name}", caption, side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption))
+
+
+def _gaze_text(azimuth: float, elevation: float) -> str:
+    left, up = np.degrees([azimuth, elevation]).round()
+    return (
+        f"gaze {abs(up):.0f}° {'down' if up < 0 else 'up'}, {abs(left):.0f}° to the {'right' if left < 0 else 'left'}"
+    )
 
 
 def _figure(name: str, caption: str, figure: Any) -> Picture:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..layers import EllipseSheet, LensMap
 from ..optics.conventions import Status
-from ..workbench import EllipseSheet, LensMap
 
 
 def distance_text(distance: float | str) -> str:

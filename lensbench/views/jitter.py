@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageDraw, ImageFont
 
 from ..errors import LensBenchError
+from ..layers import SeenPart, SeenScene
 from ..optics.conventions import Floats
 from ..scenes.scene import Part
-from ..workbench import SeenPart, SeenScene
 from .offscreen import require_gl
 
 try:

@@ -1,0 +1,211 @@
+"""What can be asked of the workbench, and what it answers: frozen layers, requests and results; plain data, no computing."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .optics.conventions import Floats
+from .optics.eye import Wearer
+from .optics.field import Accommodation
+from .optics.lens import Lens
+from .scenes.scene import Part, Scene
+
+# ---- layers: what can be asked for ----
+
+
+@dataclass(frozen=True, slots=True)
+class MapLayer:
+    """A quantity over the front surface. distance: mm from the front surface, inf, or "scene" (first hit of each ray)."""
+
+    quantity: str
+    distance: float | str = np.inf
+    accommodation: Accommodation = "retina"
+    samples: int = 121
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileLayer:
+    """As-worn power along the lens's main meridian, for objects at `distance` mm."""
+
+    distance: float = np.inf
+    samples: int = 121
+
+
+@dataclass(frozen=True, slots=True)
+class PointsLayer:
+    """As-worn power at the reference points. The near reference point is read at the wearer's near distance."""
+
+
+@dataclass(frozen=True, slots=True)
+class EllipseLayer:
+    """Ellipses of confusion on planes straight ahead, at depths (mm) from the back vertex, on an n x n gaze grid."""
+
+    depths: tuple[float, ...] = (270.0, 780.0, 3400.0)
+    n: int = 32
+    half_angle: float = float(np.radians(28.0))
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
+class VoxelLayer:
+    """Blur matrices in the voxels of a view frustum: nx x ny gazes, nz planes equally spaced in NDC depth.
+
+    near, far: mm ahead of the centre of rotation. half_angle: rad. Kakimoto, Tatsukawa & Nishita 2010, section 4.
+    """
+
+    nx: int
+    ny: int
+    nz: int
+    near: float = 200.0
+    far: float = 10000.0
+    half_angle: float = float(np.radians(28.0))
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
+class ViewLayer:
+    """What the turning eye sees of the scene. eye: "lens", "naked", or "pinhole" (through the lens, nothing blurred).
+
+    azimuth, elevation: gaze at the picture's centre, rad. half_width: rad. size: pixels (width, height).
+    """
+
+    eye: str = "lens"
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    half_width: float = float(np.radians(25.0))
+    size: tuple[int, int] = (640, 480)
+    accommodation: Accommodation = "retina"
+
+
+Layer = MapLayer | ProfileLayer | PointsLayer | EllipseLayer | VoxelLayer | ViewLayer
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Request:
+    """One question to the optics. lens None: the naked eye (views and ellipses only). scene: for what needs one.
+
+    A scene is centred on the face's midline; the lens's side and the pupillary distance say where the eye is.
+    """
+
+    lens: Lens | None
+    wearer: Wearer
+    layer: Layer
+    scene: Scene | None = None
+
+
+# ---- results ----
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LensMap:
+    """values, status (ny, nx) of a quantity at lens points x (nx,), y (ny,) mm on the front surface; NaN where not OK."""
+
+    quantity: str
+    label: str
+    unit: str
+    x: Floats
+    y: Floats
+    values: Floats
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profile:
+    """Power along the meridian: lens points x, y (n,) mm; mean, least and greatest as-worn power and astigmatism (n,) D."""
+
+    x: Floats
+    y: Floats
+    mean_power: Floats
+    least_power: Floats
+    greatest_power: Floats
+    astigmatism: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class PointReading:
+    """As-worn reading at a reference point. Lens point mm, gaze degrees, powers D, prism cm/m, axis and base degrees.
+
+    mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D.
+    """
+
+    name: str
+    x: float
+    y: float
+    azimuth: float
+    elevation: float
+    distance: float
+    sphere: float
+    cylinder: float
+    axis: float
+    mean_power: float
+    astigmatism: float
+    prism: float
+    prism_base: float
+    mean_error: float | None
+    astigmatic_error: float | None
+    status: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EllipseSheet:
+    """Ellipses on one plane at `depth` mm. centre (n, 3) mm; spokes (n, 3, 2): images of the pupil's unit vectors, mm.
+
+    semi_major, semi_minor (n,) mm; orientation (n,) rad; accommodation (n,) D; status (n,).
+    """
+
+    depth: float
+    centre: Floats
+    spokes: Floats
+    semi_major: Floats
+    semi_minor: Floats
+    orientation: Floats
+    accommodation: Floats
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class VoxelField:
+    """blur (nz, ny, nx, 2, 2) mm across the outgoing rays; u (nx,), v (ny,): tangents of the gaze; depth (nz,): mm ahead
+    of the centre of rotation; status (ny, nx). NaN where a ray failed or the plane lies behind the lens.
+    """
+
+    u: Floats
+    v: Floats
+    depth: Floats
+    blur: Floats
+    status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenPart:
+    """A part as the eye sees it. gaze (n, 3): apparent unit directions, wear frame; reach (n,): true distance, mm.
+
+    spread (n, 3, 2): change of the (not normalised) direction by the pupil's unit vectors; the point appears all over
+    gaze + spread @ d with d in the unit disc. Vertices that no ray meets hold NaN.
+    """
+
+    part: Part
+    gaze: Floats
+    reach: Floats
+    spread: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenScene:
+    """Everything a renderer needs: the camera stands at `eye` (3,) mm and its rows of `frame` (3, 3) are right-to-left,
+    up and ahead. through: parts seen through the lens (or by the naked eye); around: parts as seen past the lens's edge,
+    None for the naked eye. rims: closed curves (k, 2) in the picture plane (tangents along frame rows 0 and 1) within all
+    of which the lens is seen.
+    """
+
+    layer: ViewLayer
+    background: tuple[int, int, int]
+    eye: Floats
+    frame: Floats
+    through: tuple[SeenPart, ...]
+    around: tuple[SeenPart, ...] | None
+    rims: tuple[Floats, ...]
+
+
+Result = LensMap | Profile | tuple[PointReading, ...] | tuple[EllipseSheet, ...] | VoxelField | SeenScene
