@@ -38,7 +38,7 @@ DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
 PASSES, PINHOLE_PASSES = 32, 8
 UNITS = {
-    "x": "mm", "y": "mm", "depth": "mm", "distance": "mm", "semi_major": "mm", "semi_minor": "mm",
+    "x": "mm", "centre": "mm", "y": "mm", "depth": "mm", "distance": "mm", "semi_major": "mm", "semi_minor": "mm",
     "azimuth": "degrees, towards the wearer's left", "elevation": "degrees, upwards", "axis": "degrees TABO",
     "prism_base": "degrees TABO, 0 to 360", "prism": "cm/m", "orientation": "rad",
     "sphere": "D", "cylinder": "D", "mean_power": "D", "least_power": "D", "greatest_power": "D", "astigmatism": "D",
@@ -101,7 +101,7 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
     def ask(layer: Any) -> Any:
         return run(Request(lens, wearer, layer, scene))
 
-    names = ("mean_power", "astigmatism", "mean_error", "prism", "thickness")
+    names = ("mean_power", "astigmatism", "mean_error", "astigmatic_error", "prism", "thickness")
     return Findings(
         lens_facts(lens),
         wearer_facts(wearer),
@@ -131,10 +131,9 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
 
 
 def _map_subtitle(name: str) -> str:
-    return {
-        "thickness": "along the lens's axis",
-        "mean_error": "less the wearer's refraction; objects at infinity",
-    }.get(name, "objects at infinity")
+    if name == "thickness":
+        return "along the lens's axis"
+    return "less the wearer's refraction; objects at infinity" if name.endswith("error") else "objects at infinity"
 
 
 def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Picture]:

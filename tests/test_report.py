@@ -1,0 +1,109 @@
+"""The report: one page that needs no network, pictures that are there, numbers that are those of the workbench."""
+
+import io
+import json
+import math
+import re
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import lensbench as lb
+from lensbench.layers import PointsLayer, Request
+from lensbench.report import build
+from lensbench.report.progress import Progress
+from lensbench.workbench import run
+
+SAMPLES = Path(__file__).parent.parent / "sample_lenses"
+HOSTILE = 'Lens <script>alert("x")</script> & co'
+
+
+@pytest.fixture(scope="module")
+def wearer():
+    return lb.load_wearer(SAMPLES / "presbyope_60.toml")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, wearer):
+    lens = replace(lb.load_lens(SAMPLES / "regular_R.toml"), name=HOSTILE)
+    folder = tmp_path_factory.mktemp("report")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "PASSES", 3)
+        patch.setattr(build, "PINHOLE_PASSES", 2)
+        build.build_report(lens, wearer, folder, (math.inf, 400.0), Progress(io.StringIO()))
+    return folder
+
+
+def test_the_page_needs_nothing_else(folder):
+    page = (folder / "index.html").read_text()
+    references = re.findall(r'(?:src|href)="([^"]*)"', page)
+    assert references
+    assert all(r.startswith(("data:image/png;base64,", "#")) for r in references)
+    assert "http" not in re.sub(r'src="data:[^"]*"', "", page)
+
+
+def test_text_from_files_is_escaped(folder):
+    page = (folder / "index.html").read_text()
+    assert "<script" not in page
+    assert "&lt;script&gt;" in page
+
+
+def test_every_picture_of_the_page_lies_beside_it(folder):
+    page = (folder / "index.html").read_text()
+    pictures = sorted(folder.glob("*.png"))
+    assert len(pictures) == page.count("data:image/png") >= 14
+    for path in pictures:
+        with Image.open(path) as picture:
+            assert min(picture.size) > 300
+            assert len(picture.convert("RGB").getcolors(1 << 24)) > 50
+
+
+def test_numbers_are_those_of_the_workbench(folder, wearer):
+    found = json.loads((folder / "results.json").read_text())
+    lens = lb.load_lens(SAMPLES / "regular_R.toml")
+    for printed, reading in zip(found["reference_points"], run(Request(lens, wearer, PointsLayer())), strict=True):
+        for name, value in asdict(reading).items():
+            expected = "inf" if value == math.inf else value
+            assert printed[name] == (pytest.approx(expected, rel=1e-6) if isinstance(expected, float) else expected)
+    assert found["conventions"] == "lensbench-conventions/1"
+    assert set(found["maps"]) >= {"mean_power", "astigmatism", "thickness"}
+    assert len(found["ellipses"]) == 3
+    assert len(found["defocus"]) == 3
+
+
+def test_every_number_has_a_unit(folder):
+    found = json.loads((folder / "results.json").read_text())
+    rows = [*found["reference_points"], found["profile"], *found["ellipses"]]
+    numeric = {k for row in rows for k, v in row.items() if isinstance(v, float | list)} - {"status"}
+    assert numeric <= set(found["units"])
+    assert all(m["unit"] for m in [*found["maps"].values(), *found["defocus"].values()])
+
+
+def test_readings_stand_in_the_page(folder):
+    page = (folder / "index.html").read_text()
+    near = json.loads((folder / "results.json").read_text())["reference_points"][-1]
+    assert f"{near['sphere']:+.2f} / {near['cylinder']:+.2f} x {near['axis']:.0f}" in page
+    assert f"{near['mean_error']:+.2f}" in page
+
+
+def test_a_failure_on_the_way_leaves_nothing_behind(tmp_path, wearer, monkeypatch):
+    lens = lb.load_lens(SAMPLES / "sphere_minus_4_R.toml")
+
+    def fail(*_, **__):
+        raise RuntimeError("the driver died")
+
+    monkeypatch.setattr(build, "view_picture", fail)
+    with pytest.raises(RuntimeError):
+        build.build_report(lens, wearer, tmp_path / "report", (400.0,), Progress(io.StringIO()))
+    assert not (tmp_path / "report").exists()
+
+
+def test_progress_is_silent_unless_on_a_terminal():
+    stream = io.StringIO()
+    progress = Progress(stream)
+    progress.step("one")
+    progress.done()
+    assert stream.getvalue() == ""
+    assert set(progress.seconds) == {"one"}
