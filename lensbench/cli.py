@@ -198,16 +198,15 @@ def write_map(args: argparse.Namespace) -> None:
 
 def _draw_map(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> None:
     from .report.tables import distance_text
+    from .views.maps import map_figure, save_picture
 
+    subtitle = distance_text(args.distance)
     if args.on_lens:
         from .views.lens3d import map_on_lens
-        from .views.maps import save_png
 
-        save_png(map_on_lens(lens, wearer, result), args.output)
+        save_picture(map_on_lens(lens, wearer, result, subtitle=subtitle), args.output)
     else:
-        from .views.maps import map_figure, save_figure
-
-        save_figure(map_figure(lens, result, subtitle=distance_text(args.distance)), args.output)
+        save_picture(map_figure(lens, result, subtitle=subtitle), args.output)
 
 
 def write_view(args: argparse.Namespace) -> None:
@@ -227,9 +226,9 @@ def write_view(args: argparse.Namespace) -> None:
     layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
     seen = run(Request(lens, wearer, layer, load_scene("room")))
     from .views.jitter import render_view
-    from .views.maps import save_png
+    from .views.maps import save_picture
 
-    save_png(render_view(seen, args.passes), args.output)
+    save_picture(render_view(seen, args.passes), args.output)
     _print_written(args.output)
 
 
@@ -245,7 +244,7 @@ def write_ellipses(args: argparse.Namespace) -> None:
     if args.voxels:
         _write_voxels(args, lens, wearer, rule)
         return
-    kind = _kind(args.output, ".png", ".csv", ".json")
+    kind = _kind(args.output, ".png", ".svg", ".csv", ".json")
     sheets = run(Request(lens, wearer, EllipseLayer(tuple(args.depths), args.n, accommodation=rule)))
     if args.json or kind == ".json":
         text = to_json(ellipse_rows(sheets))
@@ -253,10 +252,10 @@ def write_ellipses(args: argparse.Namespace) -> None:
     elif kind == ".csv":
         write_file(args.output, ellipses_csv(sheets))
     else:
-        from .views.lens3d import ellipse_layers
-        from .views.maps import save_png
+        from .views.ellipses import ellipse_figure
+        from .views.maps import save_picture
 
-        save_png(ellipse_layers(lens, wearer, sheets), args.output)
+        save_picture(ellipse_figure(lens, wearer, sheets), args.output)
     if not args.json:
         _print_written(args.output)
 

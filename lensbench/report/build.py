@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from datetime import date
 from importlib.resources import files
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -118,15 +117,15 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
     from ..views.maps import map_figure, profile_figure, section_figure
 
     pictures = {
-        name: _figure(name, f"{lens_map.label}", map_figure(lens, lens_map, subtitle=_map_subtitle(name)))
+        name: _picture(name, lens_map.label, map_figure(lens, lens_map, subtitle=_map_subtitle(name)))
         for name, lens_map in findings.maps.items()
     }
-    pictures["profile"] = _figure(
+    pictures["profile"] = _picture(
         "profile",
         "Power profile along the main meridian",
         profile_figure(lens, findings.profile, "objects at infinity"),
     )
-    pictures["section"] = _figure("section", "Vertical and horizontal section", section_figure(lens))
+    pictures["section"] = _picture("section", "Vertical and horizontal section", section_figure(lens))
     return pictures
 
 
@@ -138,17 +137,20 @@ def _map_subtitle(name: str) -> str:
 
 def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Picture]:
     """Defocus maps on the lens in space, all on one scale, and the ellipses of confusion."""
-    from ..views.lens3d import ellipse_layers, map_on_lens
-    from ..views.maps import shared_limits
+    from ..views.bands import shared_limits
+    from ..views.ellipses import ellipse_figure, ellipse_stack
+    from ..views.lens3d import map_on_lens
 
     limits = shared_limits(list(findings.defocus.values()))
     pictures = {}
     for k, (distance, lens_map) in enumerate(findings.defocus.items()):
         text = distance_text(distance)
         picture = map_on_lens(lens, wearer, lens_map, limits=limits, subtitle=text)
-        pictures[f"defocus_{k}"] = _array(f"defocus_{k}", f"Defocus map, {text}", picture)
-    layers = ellipse_layers(lens, wearer, findings.ellipses)
-    pictures["ellipses"] = _array("ellipses", "Ellipses of confusion", layers)
+        pictures[f"defocus_{k}"] = _picture(f"defocus_{k}", f"Defocus map, {text}", picture)
+    layers = ellipse_figure(lens, wearer, findings.ellipses)
+    pictures["ellipses"] = _picture("ellipses", "Ellipses of confusion", layers)
+    stack = ellipse_stack(lens, wearer, findings.ellipses)
+    pictures["ellipses_in_space"] = _picture("ellipses_in_space", "Ellipses of confusion in space", stack)
     return pictures
 
 
@@ -165,7 +167,7 @@ def view_picture(lens: Lens, wearer: Wearer, scene: Any, name: str) -> Picture:
         "pinhole": render_view(seen["pinhole"], PINHOLE_PASSES),
     }
     caption = f"Looking {name}: {_gaze_text(*gaze)} at the centre, 50° wide"
-    return _array(f"view_{name}", caption, side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption))
+    return _picture(f"view_{name}", caption, side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption))
 
 
 def _gaze_text(azimuth: float, elevation: float) -> str:
@@ -175,18 +177,10 @@ def _gaze_text(azimuth: float, elevation: float) -> str:
     )
 
 
-def _figure(name: str, caption: str, figure: Any) -> Picture:
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png")
-    return Picture(f"{name}.png", caption, buffer.getvalue())
+def _picture(name: str, caption: str, picture: Any) -> Picture:
+    from ..views.maps import png_bytes
 
-
-def _array(name: str, caption: str, pixels: Any) -> Picture:
-    from PIL import Image
-
-    buffer = BytesIO()
-    Image.fromarray(pixels).save(buffer, format="png", compress_level=6)
-    return Picture(f"{name}.png", caption, buffer.getvalue())
+    return Picture(f"{name}.png", caption, png_bytes(picture))
 
 
 def results(findings: Findings) -> dict[str, Any]:

@@ -1,0 +1,187 @@
+"""Ellipses of confusion: one flat panel a depth, and all depths in space before the eye and the lens."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pyvista as pv
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from ..layers import EllipseSheet
+from ..optics.conventions import Floats, Status
+from ..optics.eye import Wearer
+from ..optics.gaze import worn_pose
+from ..optics.lens import Lens
+from . import maps
+from .bands import Bands, value_bands
+from .lens3d import FOOT, in_view, lens_mesh, opaque_bytes
+from .maps import EYE, INK
+from .stage import FINENESS, snapshot, stage
+
+_FACTORS = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
+
+
+def ellipse_figure(
+    lens: Lens | None,
+    wearer: Wearer,
+    sheets: Sequence[EllipseSheet],
+    exaggeration: float | None = None,
+    size: tuple[int, int] = (1500, 590),
+    subtitle: str = "",
+) -> Figure:
+    """Ellipses of confusion, one panel a depth, as the wearer looks at them: straight ahead, the wearer's right (-x) to
+    the right. Coloured by the major diameter seen from the centre of rotation (arcmin). lens None: the naked eye.
+
+    exaggeration: of all ellipses; None: true scale, or where they would be lost or overlap the factor in the panel's title.
+    """
+    figure = maps.blank_figure(size[0] / 100, size[1] / 100)
+    across, up = figure.get_size_inches()
+    angles = [angular_diameters(sheet, wearer) for sheet in sheets]
+    bands = value_bands("defocus", np.concatenate(angles))
+    room = (across - 1.1) / len(sheets)
+    side = min(room - 0.7, up - 1.7)
+    for k, (sheet, angle) in enumerate(zip(sheets, angles, strict=True)):
+        panel = maps.place(figure, 0.65 + k * room, 0.7, side, side)
+        _draw_sheet(panel, sheet, angle, bands, exaggeration or fitting_exaggeration(sheet))
+    maps.colour_bar(maps.place(figure, across - 0.72, 0.9, 0.18, side - 0.4), bands, "arcmin")
+    maps.titles(figure, 0.65 / across, "Ellipses of confusion", lens.name if lens else "naked eye", subtitle)
+    eye = "naked" if lens is None else EYE[lens.side]
+    maps.small_print(figure, f"{eye} eye, as the wearer sees it; colour: major diameter seen from the eye")
+    return figure
+
+
+def angular_diameters(sheet: EllipseSheet, wearer: Wearer) -> Floats:
+    """Major diameter of each ellipse (n,) seen from the eye's centre of rotation, arcmin."""
+    away = np.linalg.norm(sheet.centre - wearer.centre_of_rotation, axis=1)
+    return np.degrees(2 * np.arctan(sheet.semi_major / away)) * 60
+
+
+def ellipse_outlines(sheet: EllipseSheet, exaggeration: float = 1.0, corners: int = 24) -> Floats:
+    """Outlines (m, corners, 3) of the ellipses of the rays that passed, mm, wear frame, about their true centres."""
+    turn = np.arange(corners) * 2 * np.pi / corners
+    rim = exaggeration * sheet.spokes @ np.stack([np.cos(turn), np.sin(turn)])
+    outlines = sheet.centre[:, None] + np.swapaxes(rim, 1, 2)
+    return outlines[_passed(sheet)]
+
+
+def _passed(sheet: EllipseSheet) -> NDArray[np.bool_]:
+    """Which rays (n,) passed and meet the sheet."""
+    numbers = np.column_stack([sheet.centre, sheet.spokes.reshape(-1, 6), sheet.semi_major])
+    return (sheet.status == Status.OK) & np.isfinite(numbers).all(axis=1)
+
+
+def fitting_exaggeration(sheet: EllipseSheet) -> float:
+    """1 where large ellipses are 0.6 to 1.3 times as wide as they are apart, else what makes them at most 1.3 times."""
+    passed = _passed(sheet)
+    if not passed.any():
+        return 1.0
+    spread = np.ptp(sheet.centre[passed, :2], axis=0) / max(np.sqrt(sheet.status.size) - 1, 1)
+    large = 2 * np.percentile(sheet.semi_major[passed], 95)
+    share = large / spread.max() if spread.max() > 0 else 0.0
+    if 0.6 <= share <= 1.3 or share == 0.0:
+        return 1.0
+    return float(_FACTORS[max(np.searchsorted(_FACTORS, 1.3 / share, "right") - 1, 0)])
+
+
+def _draw_sheet(axes: Axes, sheet: EllipseSheet, angle: Floats, bands: Bands, exaggeration: float) -> None:
+    """One depth: filled ellipses in cm, x rising to the left as the wearer looks."""
+    outlines = ellipse_outlines(sheet, exaggeration)[..., :2] / 10
+    faces = bands.colours[np.clip(bands.rank(angle[_passed(sheet)]).astype(int), 0, len(bands.colours) - 1)]
+    axes.add_collection(PolyCollection(outlines, facecolors=faces, edgecolors=0.5 * faces, linewidths=0.5))
+    reach = 1.04 * np.abs(outlines).max(initial=1.0)
+    axes.set(xlim=(reach, -reach), ylim=(-reach, reach), aspect="equal", ylabel="y, cm")
+    axes.set_xlabel("wearer's left ←   x, cm   → right")
+    axes.set_title(_sheet_title(sheet, exaggeration), size=11, color=INK)
+    maps.calm(axes)
+
+
+def _sheet_title(sheet: EllipseSheet, exaggeration: float) -> str:
+    return f"{sheet.depth / 10:g} cm, " + ("true scale" if exaggeration == 1.0 else f"ellipses ×{exaggeration:g}")
+
+
+def ellipse_stack(
+    lens: Lens | None,
+    wearer: Wearer,
+    sheets: Sequence[EllipseSheet],
+    exaggeration: float | None = None,
+    size: tuple[int, int] = (1300, 620),
+    subtitle: str = "",
+) -> NDArray[np.uint8]:
+    """The eye, the lens and the ellipses before them in space, distances to scale; picture (h, w, 3).
+
+    Depths within four times the nearest share a scene, a farther one gets its own. Colour and exaggeration: see
+    ellipse_figure.
+    """
+    figure = maps.blank_figure(size[0] / 100, size[1] / 100)
+    bands = value_bands("defocus", np.concatenate([angular_diameters(sheet, wearer) for sheet in sheets]))
+    groups = _scenes([(sheet, exaggeration or fitting_exaggeration(sheet)) for sheet in sheets])
+    room = (size[0] - 100) // len(groups), size[1] - 100
+    for k, group in enumerate(groups):
+        plotter = stage(room)
+        _add_wearer(plotter, lens, wearer)
+        frames = [_add_sheet(plotter, sheet, wearer, bands, factor) for sheet, factor in group]
+        _look_along(plotter, wearer, np.concatenate(frames))
+        for (sheet, factor), frame in zip(group, frames, strict=True):
+            spot = (in_view(plotter, frame)[1] + 1) / 2 * room + (k * room[0] - 6, FOOT + 2)
+            figure.text(*spot / (figure.get_size_inches() * 100), _sheet_title(sheet, factor), ha="right", color=INK)
+        figure.figimage(snapshot(plotter), k * room[0], FOOT, origin="upper", zorder=-1)
+    maps.titles(figure, 0.03, "Ellipses of confusion in space", lens.name if lens else "naked eye", subtitle)
+    maps.colour_bar(maps.place(figure, size[0] / 100 - 0.75, 0.7, 0.18, size[1] / 100 - 1.9), bands, "arcmin")
+    maps.small_print(figure, "seen from behind the wearer's right shoulder; colour: major diameter seen from the eye")
+    return maps.figure_array(figure)
+
+
+def _scenes(sheets: Iterable[tuple[EllipseSheet, float]]) -> list[list[tuple[EllipseSheet, float]]]:
+    """Sheets and their exaggerations, nearest first, grouped so that no depth exceeds four times its group's least."""
+    groups: list[list[tuple[EllipseSheet, float]]] = []
+    for sheet, factor in sorted(sheets, key=lambda pair: pair[0].depth):
+        if not groups or sheet.depth > 4 * groups[-1][0][0].depth:
+            groups.append([])
+        groups[-1].append((sheet, factor))
+    return groups
+
+
+def _add_wearer(plotter: pv.Plotter, lens: Lens | None, wearer: Wearer) -> None:
+    """The eyeball, 12 mm in radius, and the worn lens."""
+    plotter.add_mesh(pv.Sphere(radius=12.0, center=wearer.centre_of_rotation), color="#d9c8b8", smooth_shading=True)
+    if lens is not None:
+        for part in lens_mesh(lens, worn_pose(lens, wearer.wear), rings=8, around=90)[:3]:
+            plotter.add_mesh(part, color="#7fb2d6", opacity=0.7)
+
+
+def _frame(sheet: EllipseSheet, outlines: Floats) -> Floats:
+    """Corners (4, 3) of the rectangle round the ellipses, mm; the second is the upper one on the wearer's left."""
+    rim = outlines[..., :2].reshape(-1, 2)
+    (x0, y0), (x1, y1) = (rim.min(axis=0), rim.max(axis=0)) if len(rim) else ((0.0, 0.0), (0.0, 0.0))
+    return np.array([[x, y, sheet.depth] for x, y in ((x0, y1), (x1, y1), (x1, y0), (x0, y0))])
+
+
+def _add_sheet(plotter: pv.Plotter, sheet: EllipseSheet, wearer: Wearer, bands: Bands, exaggeration: float) -> Floats:
+    """The ellipses of one depth as polygons in one mesh, lines of sight to the rectangle round them; its corners."""
+    outlines = ellipse_outlines(sheet, exaggeration)
+    corners = _frame(sheet, outlines)
+    plotter.add_mesh(pv.lines_from_points(corners, close=True), color="#9aa4ac", line_width=FINENESS)
+    for corner in corners:
+        plotter.add_mesh(pv.Line(wearer.centre_of_rotation, corner), color="#d5dade", line_width=0.7 * FINENESS)
+    if not len(outlines):
+        return corners
+    index = np.arange(outlines.shape[0] * outlines.shape[1]).reshape(outlines.shape[:2])
+    ellipses = pv.PolyData(outlines.reshape(-1, 3), faces=np.insert(index, 0, index.shape[1], axis=1).ravel())
+    ellipses.cell_data["rank"] = bands.rank(angular_diameters(sheet, wearer)[_passed(sheet)])
+    table = pv.LookupTable(values=opaque_bytes(bands.colours), scalar_range=(0, len(bands.colours)))
+    plotter.add_mesh(ellipses, scalars="rank", cmap=table, show_scalar_bar=False, lighting=False)
+    return corners
+
+
+def _look_along(plotter: pv.Plotter, wearer: Wearer, corners: Floats) -> None:
+    """Stand behind the wearer's right shoulder, so that the eye and the sheets' corners (n, 3) fill the stage."""
+    deepest = corners[:, 2].max()
+    plotter.camera.focal_point, plotter.camera.up = (0.0, 0.0, 0.5 * deepest), (0, 1, 0)
+    plotter.camera.position = (-1.5 * deepest, 0.75 * deepest, -1.0 * deepest)
+    plotter.camera.view_angle = 24
+    plotter.reset_camera()
+    head = wearer.centre_of_rotation + 40.0 * np.array([[-1, -1, 0], [1, 1, 0], [0, 0, 1]])
+    reach = np.abs(in_view(plotter, np.vstack([head, corners]))).max(axis=0)
+    plotter.camera.zoom(float((np.array([0.95, 0.9]) / reach).min()))

@@ -1,0 +1,212 @@
+"""The worn lens in space, with a map on its front surface."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+import pyvista as pv
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from scipy.interpolate import RegularGridInterpolator
+
+from ..layers import LensMap
+from ..optics.conventions import Floats
+from ..optics.eye import Wearer
+from ..optics.gaze import WornPose, worn_pose
+from ..optics.lens import Lens
+from . import maps
+from .bands import Bands, extended, map_bands
+from .maps import EYE, INK, QUIET
+from .stage import FINENESS, snapshot, stage
+
+# ---- the lens as meshes ----
+
+
+class LensMesh(NamedTuple):
+    """The lens's skin, mm: front and back surface and the edge between them (back rim first, then front rim).
+
+    points (n, 2): x, y in the lens frame of the vertices of front and of back; faces: their polygons (m, k).
+    """
+
+    front: pv.PolyData
+    back: pv.PolyData
+    edge: pv.PolyData
+    points: Floats
+    faces: tuple[NDArray[np.intp], ...]
+
+
+def lens_mesh(lens: Lens, pose: WornPose | None = None, rings: int = 40, around: int = 240) -> LensMesh:
+    """Meshes of a lens on a polar grid within its outline; in the lens frame, or in the wear frame for a pose."""
+    x, y = lens.outline.points(around)
+    fraction = np.linspace(1 / rings, 1, rings)[:, None]
+    rim = np.stack([x, y], axis=-1) - lens.outline.centre
+    points = np.concatenate([np.zeros((1, 2)), (fraction[..., None] * rim).reshape(-1, 2)]) + lens.outline.centre
+    heights = lens.front_height(*points.T), lens.back_height(*points.T)
+    front, back = (np.column_stack([points, z]) for z in heights)
+    if pose is not None:
+        front, back = pose.to_wear(front), pose.to_wear(back)
+    exists = np.isfinite(front[:, 2]) & np.isfinite(back[:, 2])
+    faces = tuple(f[exists[f].all(axis=1)] for f in _polar_faces(rings, around))
+    here = np.arange(around)
+    strip = np.stack([here, np.roll(here, -1), np.roll(here, -1) + around, here + around], axis=-1)
+    edge = np.concatenate([back[-around:], front[-around:]])
+    strip = strip[np.tile(exists[-around:], 2)[strip].all(axis=1)]
+    return LensMesh(*(_polygons(p, f) for p, f in ((front, faces), (back, faces), (edge, (strip,)))), points, faces)
+
+
+def _polar_faces(rings: int, around: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Triangles round the middle vertex and quadrilaterals between the rings, counter-clockwise seen from the scene."""
+    here = np.arange(around)
+    beside = np.roll(here, -1)
+    triangles = np.stack([np.zeros_like(here), 1 + here, 1 + beside], axis=-1)
+    inner = 1 + around * np.arange(rings - 1)[:, None]
+    quads = np.stack([inner + here, inner + around + here, inner + around + beside, inner + beside], axis=-1)
+    return triangles, quads.reshape(-1, 4)
+
+
+def _polygons(points: Floats, faces: Iterable[NDArray[np.intp]]) -> pv.PolyData:
+    """A mesh of polygons (m, k) with normals at its points; points that do not exist (NaN) belong to no polygon."""
+    used = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
+    mesh = pv.PolyData(np.where(np.isfinite(points), points, 0.0), faces=used)
+    return mesh.compute_normals(cell_normals=False, consistent_normals=False) if used.size else mesh
+
+
+# ---- a map on the lens ----
+
+_LIGHT = {"ambient": 0.85, "diffuse": 0.2, "specular": 0.0}
+_VIEW = (0.62, 0.4, 1.0)  # towards the camera, wear frame, left lens: before the wearer, on the temporal side, above
+_FILLED = np.array([0.8, 0.96])  # of half the stage's width and height
+FOOT = 30  # pixels below the stage, for the small print
+
+
+def map_on_lens(
+    lens: Lens,
+    wearer: Wearer,
+    lens_map: LensMap,
+    size: tuple[int, int] = (800, 600),
+    step: float | None = None,
+    limits: tuple[float, float] | None = None,
+    subtitle: str = "",
+) -> NDArray[np.uint8]:
+    """The worn lens (wear frame) obliquely from the front, the map as bands and isolines on it; picture (h, w, 3).
+
+    size: (width, height) pixels; step, limits: as in maps.map_figure.
+    """
+    pose = worn_pose(lens, wearer.wear)
+    mesh, bands = lens_mesh(lens, pose), map_bands(lens, lens_map, step, limits)
+    room = size[0] - 100, size[1] - 100
+    plotter = stage(room)
+    _add_body(plotter, mesh)
+    _add_map(plotter, mesh, lens_map, bands)
+    for name, point in lens.points.named().items():
+        _add_mark(plotter, lens, pose, name, point)
+    _look(plotter, mesh, lens.side)
+    figure = maps.blank_figure(size[0] / 100, size[1] / 100)
+    _name_sides(figure, plotter, mesh, lens.side, room)
+    figure.figimage(snapshot(plotter), 0, FOOT, origin="upper", zorder=-1)
+    maps.titles(figure, 0.03, lens_map.label, lens.name, subtitle)
+    if np.isfinite(lens_map.values).any():
+        maps.colour_bar(maps.place(figure, size[0] / 100 - 0.95, 0.7, 0.2, size[1] / 100 - 1.9), bands, lens_map.unit)
+    else:
+        figure.text(0.03, 0.06, "no ray passes: the lens is bare", size=10, color=INK)
+    maps.small_print(figure, f"{EYE[lens.side]} lens as worn, seen from the front, above and the temporal side")
+    return maps.figure_array(figure)
+
+
+def _add_body(plotter: pv.Plotter, mesh: LensMesh) -> None:
+    plotter.add_mesh(mesh.back, color="#b9c3cb", opacity=0.6, **_LIGHT)
+    plotter.add_mesh(mesh.edge, color="#c9d2d9", **_LIGHT)
+    half = mesh.edge.n_points // 2
+    for rim in (mesh.edge.points[:half], mesh.edge.points[half:]):
+        plotter.add_mesh(pv.lines_from_points(rim, close=True), color="#39424a", line_width=1.2 * FINENESS)
+
+
+def _add_map(plotter: pv.Plotter, mesh: LensMesh, lens_map: LensMap, bands: Bands) -> None:
+    """The front surface in exact bands, bare where the map has no value, with isolines 0.05 mm before it."""
+    rank = bands.rank(_sampled(lens_map, bands, mesh.points))
+    covered = [np.isfinite(rank)[f].all(axis=1) for f in mesh.faces]
+    bare, layer = (
+        _polygons(mesh.front.points, [f[c == wanted] for f, c in zip(mesh.faces, covered, strict=True)])
+        for wanted in (False, True)
+    )
+    if bare.n_cells:
+        plotter.add_mesh(bare, color="#e3e8ec", **_LIGHT)
+    if not layer.n_cells:
+        return
+    table = pv.LookupTable(values=opaque_bytes(bands.colours), scalar_range=(0, len(bands.colours)))
+    if bands.cyclic:
+        middles = np.concatenate([mesh.points[f[c]].mean(axis=1) for f, c in zip(mesh.faces, covered, strict=True)])
+        layer.cell_data["rank"] = bands.rank(_sampled(lens_map, bands, middles))
+    else:
+        layer.point_data["rank"] = np.nan_to_num(rank)
+    plotter.add_mesh(layer, scalars="rank", cmap=table, show_scalar_bar=False, **_LIGHT)
+    if not (bands.cyclic or bands.constant):
+        _add_isolines(plotter, layer, bands)
+
+
+def _sampled(lens_map: LensMap, bands: Bands, points: Floats) -> Floats:
+    """The map's values (n,) at lens points (n, 2): bilinear, or the nearest sample of a cyclic quantity."""
+    grid = lens_map.y, lens_map.x
+    values = RegularGridInterpolator(grid, extended(lens_map), method="nearest" if bands.cyclic else "linear")
+    return values(np.clip(points, [lens_map.x[0], lens_map.y[0]], [lens_map.x[-1], lens_map.y[-1]])[:, ::-1])
+
+
+def opaque_bytes(colours: Floats) -> NDArray[np.uint8]:
+    """Colours (k, 3), 0 to 1, as opaque bytes (k, 4)."""
+    return np.round(np.insert(colours, 3, 1.0, axis=1) * 255).astype(np.uint8)
+
+
+def _add_isolines(plotter: pv.Plotter, layer: pv.PolyData, bands: Bands) -> None:
+    ranks, looks = bands.rank(bands.shifted), list(zip(bands.weight, bands.line_colours(), strict=True))
+    for weight, colour in set(looks):
+        levels = [r for r, look in zip(ranks, looks, strict=True) if look == (weight, colour) and r > 0]
+        lines = layer.contour(levels, scalars="rank") if levels else pv.PolyData()
+        if lines.n_points:
+            lines.points += 0.05 * lines["Normals"]
+            plotter.add_mesh(lines, color=colour, line_width=(0.7, 1.3, 2.2)[weight] * FINENESS, lighting=False)
+
+
+def _add_mark(plotter: pv.Plotter, lens: Lens, pose: WornPose, name: str, point: tuple[float, float]) -> None:
+    """A reference mark on the front surface: a cross, a dot or a ring (1.3 mm in radius for far, 0.9 mm for near)."""
+    turn = np.linspace(0, 2 * np.pi, 37)
+    radius = {"distance_reference_point": 1.3, "near_reference_point": 0.9}.get(name, 0.2)
+    shapes = [radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)]
+    if name == "fitting_point":
+        arm = np.linspace(-1.8, 1.8, 13)
+        shapes = [np.stack([arm, 0 * arm], axis=-1), np.stack([0 * arm, arm], axis=-1)]
+    for colour, width, height in (("white", 5.5, 0.12), (INK, 2.2, 0.2)):
+        for shape in shapes:
+            x, y = (shape + point).T
+            line = pose.to_wear(np.column_stack([x, y, lens.front_height(x, y) + height]))
+            if np.isfinite(line).all():
+                plotter.add_mesh(pv.lines_from_points(line), color=colour, line_width=width * FINENESS, lighting=False)
+
+
+def _look(plotter: pv.Plotter, mesh: LensMesh, side: str) -> None:
+    """Stand before the wearer, above and on the temporal side of the lens, and fill the stage with it."""
+    direction = np.array(_VIEW) * (-1 if side == "R" else 1, 1, 1)
+    middle = np.array(mesh.front.center)
+    plotter.camera.focal_point, plotter.camera.up = middle, (0, 1, 0)
+    plotter.camera.position = middle + 300 * direction / np.linalg.norm(direction)
+    plotter.camera.view_angle = 16
+    plotter.reset_camera()
+    reach = np.abs(in_view(plotter, mesh.edge.points)).max(axis=0)
+    plotter.camera.zoom(float((_FILLED / reach).min()))
+
+
+def in_view(plotter: pv.Plotter, points: Floats) -> Floats:
+    """Where points (n, 3) appear: (n, 2), -1 to 1 over the stage's width and height, up positive."""
+    width, height = plotter.window_size
+    matrix = plotter.camera.GetCompositeProjectionTransformMatrix(width / height, -1, 1)
+    to_view = np.array([[matrix.GetElement(i, j) for j in range(4)] for i in range(4)])
+    seen = np.column_stack([points, np.ones(len(points))]) @ to_view.T
+    return seen[:, :2] / seen[:, 3:]
+
+
+def _name_sides(figure: Figure, plotter: pv.Plotter, mesh: LensMesh, side: str, room: tuple[int, int]) -> None:
+    """Write "nasal" and "temporal" beside the lens: at -x on the left, at +x on the right of the picture."""
+    pixels = (in_view(plotter, mesh.edge.points) + 1) / 2 * room + [0, FOOT]
+    words = ("temporal", "nasal") if side == "R" else ("nasal", "temporal")
+    for word, align, gap, last in zip(words, ("right", "left"), (-8, 8), (np.argmin, np.argmax), strict=True):
+        spot = (pixels[last(pixels[:, 0])] + [gap, 0]) / figure.get_size_inches() / 100
+        figure.text(*spot, word, ha=align, va="center", size=9, color=QUIET)
