@@ -162,8 +162,14 @@ class GazeField:
         return self.wearer.eye.pupil_diameter / 2 * (p + q @ s)
 
     def blur(self, distance: ArrayLike, accommodation: Accommodation = "retina") -> Floats:
-        """Blur matrices M(s) (..., n, 2, 2), mm across the outgoing ray: the unit disc's image is the ellipse of confusion."""
-        return self.angular_blur(distance, accommodation) * np.asarray(distance, dtype=float)[..., None, None]
+        """Blur matrices M(s) (..., n, 2, 2), mm across the outgoing ray: the unit disc's image is the ellipse of confusion.
+
+        Raises ValueError at infinity, where angular_blur stays finite.
+        """
+        s = np.asarray(distance, dtype=float)
+        if np.isinf(s).any():
+            raise ValueError("at infinity an ellipse of confusion has no size in mm; ask for angular_blur")
+        return self.angular_blur(s, accommodation) * s[..., None, None]
 
     def eoc(self, distance: ArrayLike, accommodation: Accommodation = "retina") -> Ellipse:
         """Ellipse of confusion at `distance`: semi-axes (mm) and orientation (rad) in the frame across the outgoing ray."""

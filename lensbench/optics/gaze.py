@@ -145,15 +145,14 @@ def _field(
 def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline: bool = True) -> GazeField:
     """The gaze field of those gazes whose chief rays meet the points (n, 3), mm, wear frame.
 
-    Newton's method with the field's own derivative; a point that no traced gaze meets to 1e-9 of its distance
-    has status NOT_CONVERGED. within_outline=False lets rays pass beyond the lens's edge, as far as its surfaces go.
+    Newton's method with the field's own derivative; a point behind the front surface, or one that no traced gaze meets
+    to 1e-9 of its distance, has status NOT_CONVERGED. within_outline=False lets rays pass beyond the lens's edge, as far as its surfaces go.
     """
     target = np.asarray(points, dtype=float).reshape(-1, 3)
     reach = np.linalg.norm(target - wearer.centre_of_rotation, axis=1)
     gaze = unit(target - wearer.centre_of_rotation)
     if lens is None:
         return trace(None, wearer, gaze)
-    uncut = lens if within_outline else None
     lever = wearer.eye.pupil_from_rotation
     for _ in range(12):
         rays = trace_rays(lens, wearer.wear, wearer.centre_of_rotation + lever * gaze, gaze)
@@ -161,17 +160,16 @@ def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline
         if not np.any(miss > 1e-11 * reach):
             break
         gaze = _turned(gaze, step)
-    field = trace(uncut, wearer, gaze) if uncut else _untrimmed(lens, wearer, gaze, rays)
-    lost = (field.status == Status.OK) & ~(miss <= 1e-9 * reach)
-    return field.with_status(lost, Status.NOT_CONVERGED)
-
-
-def _untrimmed(lens: Lens, wearer: Wearer, gaze: Floats, rays: TracedRays) -> GazeField:
-    return _field(lens, wearer, gaze, rays, None)
+    field = trace(lens, wearer, gaze) if within_outline else _field(lens, wearer, gaze, rays, None)
+    lost = ~(miss <= 1e-9 * reach) | ~(field.distances_to(target) > -1e-6)
+    return field.with_status(lost & (field.status == Status.OK), Status.NOT_CONVERGED)
 
 
 def _newton_step(rays: TracedRays, target: Floats, lever: float) -> tuple[Floats, Floats]:
-    """Distance (n,) by which each chief ray misses its target, mm, and the turn (n, 2) of the gaze that mends it, rad."""
+    """Distance (n,) by which each chief ray misses its target, mm, and the turn (n, 2) of the gaze that mends it, rad.
+
+    A ray that failed stays where it is.
+    """
     frame = listing_frame(rays.direction)
     local = np.einsum("nij,nj->ni", frame, target - rays.exit)
     t = rays.transfer
@@ -179,6 +177,7 @@ def _newton_step(rays: TracedRays, target: Floats, lever: float) -> tuple[Floats
         t[:, :2, :2] * lever + t[:, :2, 2:] + local[:, 2, None, None] * (t[:, 2:, :2] * lever + t[:, 2:, 2:])
     )
     step = np.einsum("nij,nj->ni", inverse_2x2(turn_to_offset), local[:, :2])
+    step = np.where(np.isfinite(step), step, 0.0)
     size = np.linalg.norm(step, axis=1, keepdims=True)
     return np.linalg.norm(local[:, :2], axis=1), step * np.minimum(1.0, 0.2 / np.maximum(size, 1e-300))
 

@@ -78,7 +78,7 @@ def polygon_outline(points: ArrayLike, centre: tuple[float, float] | None = None
     reach = start[:, 0] * side[:, 1] - start[:, 1] * side[:, 0]
     corner = np.unwrap(np.arctan2(start[:, 1], start[:, 0]))
     turn = np.append(corner, corner[0] + 2 * np.pi)
-    if np.any(np.diff(turn) <= 0):
+    if np.any(np.diff(turn) <= 0) or np.any(reach <= 0):
         raise ValueError("the outline is not star-shaped about its centre: each ray from the centre must cut it once")
     angle = np.sort(np.concatenate([_ANGLES, corner % (2 * np.pi)]))
     segment = np.searchsorted(turn, (angle - corner[0]) % (2 * np.pi) + corner[0], side="right") - 1

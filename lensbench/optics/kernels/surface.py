@@ -14,7 +14,7 @@ import math
 import numba as nb
 
 CONIC, TORIC, BICONIC, SPLINE = 0, 1, 2, 3
-MAX_NEWTON = 25
+MAX_STEPS = 50
 
 VECTOR = nb.types.Array(nb.float64, 1, "C", readonly=True)
 MATRIX = nb.types.Array(nb.float64, 2, "C", readonly=True)
@@ -166,19 +166,30 @@ def inside_domain(kind, breaks_x, breaks_y, x, y):
 
 @inline
 def intersect(kind, p, breaks_x, breaks_y, cells, x, y, z, dx, dy, dz):
-    """Distance t (mm) along the ray to the surface, and a verdict: 0 met, 1 missed, 2 not converged. Newton on z - f."""
+    """Distance t (mm) along the ray to the surface, and a verdict: 0 met, 1 missed, 2 not converged.
+
+    Newton's method on z - f(x, y), kept between the farthest point known to lie before the surface and the nearest one
+    known to lie behind it or beyond its rim; where it would leave them, the interval is halved.
+    """
     t = to_start_sphere(start_curvature(kind, p), x, y, z, dx, dy, dz)
-    for _ in range(MAX_NEWTON):
-        px, py = x + t * dx, y + t * dy
-        f, fx, fy, _xx, _xy, _yy = sag(kind, p, breaks_x, breaks_y, cells, px, py)
+    before, behind, left = 0.0, math.inf, False
+    for _ in range(MAX_STEPS):
+        f, fx, fy, _xx, _xy, _yy = sag(kind, p, breaks_x, breaks_y, cells, x + t * dx, y + t * dy)
         error = z + t * dz - f
-        t -= error / (dz - fx * dx - fy * dy)
-        if not math.isfinite(t):
-            return math.nan, 1
-        if abs(error) < 1e-8:
-            return t, 0 if inside_domain(kind, breaks_x, breaks_y, x + t * dx, y + t * dy) else 1
+        wanted = t - error / (dz - fx * dx - fy * dy)
+        if abs(error) < 1e-8 and math.isfinite(wanted):
+            return wanted, 0 if inside_domain(kind, breaks_x, breaks_y, x + wanted * dx, y + wanted * dy) else 1
+        if error < 0:
+            before = max(before, t)
+        else:
+            behind = min(behind, t)
+            left = left or not math.isfinite(error)
+        if before < wanted < behind:
+            t = wanted
+        else:
+            t = 0.5 * (before + behind) if behind < math.inf else before + 10.0
     inside = inside_domain(kind, breaks_x, breaks_y, x + t * dx, y + t * dy)
-    return math.nan, 2 if inside else 1
+    return math.nan, 1 if left or not inside else 2
 
 
 @nb.njit(

@@ -49,22 +49,22 @@ def refract_pencil(x0, x1, p0, p1, before, after, gamma, e, f, g):
 
 @inline
 def cross_surface(surface, n0, n1, ray, rows):
-    """One surface: (new ray, new rows, path length before it, verdict). verdict: 0 ok, 1 missed, 2 no convergence, 3 TIR."""
+    """One surface: (new ray, new rows, verdict). verdict: 0 ok, 1 missed or behind the start, 2 no convergence, 3 TIR."""
     kind, p, breaks_x, breaks_y, cells, q = surface
     x, y, z, dx, dy, dz = ray
     ox, oy, oz = x - q[9], y - q[10], z - q[11]
     lx, ly, lz = q[0] * ox + q[3] * oy + q[6] * oz, q[1] * ox + q[4] * oy + q[7] * oz, q[2] * ox + q[5] * oy + q[8] * oz
     ex, ey, ez = q[0] * dx + q[3] * dy + q[6] * dz, q[1] * dx + q[4] * dy + q[7] * dz, q[2] * dx + q[5] * dy + q[8] * dz
     t, verdict = intersect(kind, p, breaks_x, breaks_y, cells, lx, ly, lz, ex, ey, ez)
-    if verdict != 0:
-        return ray, rows, 0.0, verdict
+    if verdict != 0 or t < 0:
+        return ray, rows, max(verdict, 1)
     _f, fx, fy, fxx, fxy, fyy = sag(kind, p, breaks_x, breaks_y, cells, lx + t * ex, ly + t * ey)
     area = 1.0 / math.sqrt(1 + fx * fx + fy * fy)
     cos_in = area * (ez - fx * ex - fy * ey)
     ratio = n0 / n1
     square = 1 - ratio * ratio * (1 - cos_in * cos_in)
     if square < 0:
-        return ray, rows, t, 3
+        return ray, rows, 3
     cos_out = math.sqrt(square)
     k = (cos_out - ratio * cos_in) * area
     gx, gy, gz = ratio * ex - k * fx, ratio * ey - k * fy, ratio * ez + k
@@ -76,7 +76,7 @@ def cross_surface(surface, n0, n1, ray, rows):
         frame_on_surface(q, fx, fy, dx, dy, dz), frame_on_surface(q, fx, fy, wx, wy, wz),
         n1 * cos_out - n0 * cos_in, area * fxx, area * fxy, area * fyy,
     )  # fmt: skip
-    return (x + t * dx, y + t * dy, z + t * dz, wx, wy, wz), rows, t, 0
+    return (x + t * dx, y + t * dy, z + t * dz, wx, wy, wz), rows, 0
 
 
 @inline
@@ -105,13 +105,12 @@ def trace_rays(back, front, index, start, direction, out, status):
     for i in nb.prange(status.size):
         ray = (start[0, i], start[1, i], start[2, i], direction[0, i], direction[1, i], direction[2, i])
         rows = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
-        inner, rows, length, verdict = cross_surface(back, 1.0, index, ray, rows)
+        inner, rows, verdict = cross_surface(back, 1.0, index, ray, rows)
         state = OK if verdict == 0 else verdict_to_status(verdict, MISSED_BACK)
         outer = inner
         if state == OK:
-            outer, rows, length, verdict = cross_surface(front, index, 1.0, inner, rows)
-            if verdict != 0 or length < 0:
-                state = verdict_to_status(verdict if verdict != 0 else 1, MISSED_FRONT)
+            outer, rows, verdict = cross_surface(front, index, 1.0, inner, rows)
+            state = OK if verdict == 0 else verdict_to_status(verdict, MISSED_FRONT)
         status[i] = state
         if state != OK:
             out[:, i] = math.nan

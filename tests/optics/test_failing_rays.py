@@ -1,0 +1,159 @@
+"""What becomes of rays that fail: their status, NaN everywhere, and no harm to their neighbours."""
+
+import naive
+import numpy as np
+import pytest
+
+from lensbench.optics import surfaces
+from lensbench.optics.conventions import Status
+from lensbench.optics.eye import Eye, Wear, Wearer
+from lensbench.optics.gaze import GazeGrid, look_at, trace, trace_rays
+from lensbench.optics.lens import box_outline, circle_outline
+
+DISTANCE = 400.0
+TWENTY_DEGREES, FIFTY_DEGREES = [0.0, np.sin(0.35), np.cos(0.35)], [0.0, np.sin(0.87), np.cos(0.87)]
+AHEAD = [0.0, 0.0, 1.0]
+
+
+def failing(lens_of):
+    """By name: lens, gaze, expected status."""
+    plane = surfaces.plane()
+    return {
+        "back": (lens_of(plane, surfaces.sphere(10.0), 6.0), FIFTY_DEGREES, Status.MISSED_BACK),
+        "front": (lens_of(surfaces.sphere(8.0), plane, 10.0), FIFTY_DEGREES, Status.MISSED_FRONT),
+        "crossed": (lens_of(surfaces.sphere(60.0), plane, 1.0), FIFTY_DEGREES, Status.MISSED_FRONT),
+        "spline ends": (
+            lens_of(surfaces.bspline([-4.0] * 3 + [4.0] * 3, [-4.0] * 3 + [4.0] * 3, np.zeros((3, 3)), 2), plane),
+            TWENTY_DEGREES,
+            Status.MISSED_FRONT,
+        ),
+        "outline": (lens_of(plane, plane, outline=circle_outline(15.0)), TWENTY_DEGREES, Status.OUTSIDE_OUTLINE),
+        "total reflection": (
+            lens_of(surfaces.plane(tilt=(0.7, 0.0)), plane, 30.0),
+            AHEAD,
+            Status.TOTAL_INTERNAL_REFLECTION,
+        ),
+    }
+
+
+FAILURES = ["back", "front", "crossed", "spline ends", "outline", "total reflection"]
+
+
+def test_rays_must_enter_and_leave_within_the_outline(lens_of, gazes):
+    """A thick lens of 16 mm, tilted and decentred: some rays cross the edge between its surfaces."""
+    lens = lens_of(surfaces.plane(), surfaces.plane(), 9.0, outline=circle_outline(16.0))
+    wearer = Wearer(wear=Wear(13.0, 0.3, 0.2, (2.0, -3.0)))
+    rays = trace_rays(lens, wearer.wear, wearer.centre_of_rotation + 10.45 * gazes, gazes)
+    inside = []
+    for points in (rays.entry, rays.exit):
+        x, y, _ = naive.pose(0.3, -0.2).T @ (points - [2.0, -3.0, 0.0]).T
+        inside.append(np.hypot(x, y) < 8)
+    assert (inside[0] != inside[1]).any()
+    expected = np.where(inside[0] & inside[1], Status.OK, Status.OUTSIDE_OUTLINE)
+    assert np.array_equal(trace(lens, wearer, gazes).status, expected)
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_status_of_failing_rays(lens_of, name):
+    lens, gaze, status = failing(lens_of)[name]
+    other = np.array([0.0, -np.sin(0.1), np.cos(0.1)])
+    field = trace(lens, Wearer(Eye(accommodation=1.0)), [other, gaze, other])
+    alone = trace(lens, field.wearer, [other])
+    assert list(field.status) == [Status.OK, status, Status.OK]
+    results = [field.entry, field.origin, field.direction, field.transfer, *field.as_worn_power(DISTANCE)]
+    results += [
+        field.angular_blur(np.inf),
+        *field.eoc(DISTANCE),
+        *field.prism(),
+        field.magnification(),
+        field.defocus(300.0),
+    ]
+    assert all(np.isnan(values[1]).all() for values in results)
+    assert all(np.isfinite(values[[0, 2]]).all() for values in results)
+    assert np.array_equal(field.transfer[[0, 2]], np.repeat(alone.transfer, 2, axis=0))
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "back",
+        "outline",
+        "front",
+        "crossed",
+        "spline ends",
+        "total reflection",
+    ],
+)
+def test_look_at_keeps_the_status(lens_of, name):
+    lens, gaze, status = failing(lens_of)[name]
+    points = 500 * np.array([gaze, AHEAD, [0.0, -0.05, 1.0]])
+    field = look_at(lens, Wearer(), points)
+    assert field.status[0] == status
+    assert field.status[2] == Status.OK
+    assert np.isnan(field.origin[0]).all()
+
+
+@pytest.mark.parametrize(
+    "steep",
+    [
+        surfaces.sphere(12.0),
+        surfaces.sphere(-15.0),
+        surfaces.conic(0.03, -3.0),
+        surfaces.conic(0.02, 0.0, [3e-6]),
+        surfaces.biconic(0.03, 0.01, 20.0, -2.0, 3.0),
+        surfaces.toric(0.02, 0.03, 30.0),
+        surfaces.conic(0.03, 2.0),
+        surfaces.toric(0.05, 0.0, 30.0),
+        surfaces.toric(0.02, 0.09, 30.0),
+    ],
+    ids=["ball", "hollow ball", "hyperboloid", "asphere", "biconic", "torus", "oblate", "tube", "tight torus"],
+)
+def test_a_ray_that_meets_a_steep_surface_is_no_miss(lens_of, steep):
+    """Against a walk along each ray in steps of 0.01 mm, gazes up to 59 degrees."""
+    gazes = GazeGrid(15, 15, np.radians(50), np.radians(50)).directions()
+    start, way = [0.0, 0.0, -26.5] + 10.45 * gazes, np.arange(0, 60, 0.01)
+    x, y, z = np.moveaxis(start[:, None] + way[:, None] * gazes[:, None], -1, 0)
+    above = z - steep.sag(x, y)
+    meets = np.any((above < 0)[:, :-1] & (above >= 0)[:, 1:], axis=1)
+    never = np.nanmax(above, axis=1) < -0.5
+    status = trace_rays(lens_of(surfaces.plane(), steep, 200.0), Wear(13.0), start, gazes).status
+    assert meets.any()
+    missed = np.isin(status, [Status.MISSED_BACK, Status.NOT_CONVERGED])
+    assert not missed[meets].any()
+    assert missed[never].all()
+
+
+def test_rays_beyond_the_outline_can_be_asked_for(lens_of):
+    lens, points = (
+        lens_of(surfaces.sphere(90.0), surfaces.plane(), outline=box_outline(20.0, 10.0)),
+        [[0.0, 300.0, 500.0]],
+    )
+    assert look_at(lens, Wearer(), points).status[0] == Status.OUTSIDE_OUTLINE
+    free = look_at(lens, Wearer(), points, within_outline=False)
+    assert free.status[0] == Status.OK
+    assert free.origin + free.distances_to(points)[:, None] * free.direction == pytest.approx(
+        np.array(points), abs=1e-6
+    )
+
+
+def test_a_crowd_of_rays_is_traced_like_each_alone(worn, gazes):
+    lens, wearer, _ = worn
+    start = [0.0, 0.0, -26.5] + 10 * gazes
+    crowd = trace_rays(lens, wearer.wear, start, gazes)
+    for k in (0, 17, 40):
+        alone = trace_rays(lens, wearer.wear, start[k], gazes[k])
+        assert np.array_equal(crowd.transfer[k], alone.transfer[0])
+        assert np.array_equal(crowd.exit[k], alone.exit[0])
+
+
+def test_points_that_the_lens_hides(lens_of):
+    """Behind the eye, and within the lens: no gaze, and no harm to the point before the lens."""
+    lens = lens_of(surfaces.sphere(90.0), surfaces.sphere(100.0), 4.0)
+    field = look_at(lens, Wearer(), [[0.0, 0.0, -500.0], [0.0, 0.0, 2.0], [0.0, 0.0, 500.0]])
+    assert list(field.status) == [Status.MISSED_BACK, Status.NOT_CONVERGED, Status.OK]
+
+
+def test_a_surface_behind_the_pupil_is_missed(lens_of):
+    lens = lens_of(surfaces.sphere(90.0), surfaces.sphere(100.0), 4.0)
+    start = [[0.0, 0.0, -10.0], [0.0, 0.0, 1.0]]
+    assert list(trace_rays(lens, Wear(), start, [AHEAD, AHEAD]).status) == [Status.OK, Status.MISSED_BACK]
