@@ -145,8 +145,9 @@ def _field(
 def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline: bool = True) -> GazeField:
     """The gaze field of those gazes whose chief rays meet the points (n, 3), mm, wear frame.
 
-    Newton's method with the field's own derivative; a point behind the front surface, or one that no traced gaze meets
-    to 1e-9 of its distance, has status NOT_CONVERGED. within_outline=False lets rays pass beyond the lens's edge, as far as its surfaces go.
+    Newton's method with the field's own derivative. A point behind the front surface, or one that no traced gaze meets
+    to 1e-9 of its distance, has status NOT_CONVERGED. within_outline=False lets rays pass beyond the lens's edge, as far
+    as its surfaces go.
     """
     target = np.asarray(points, dtype=float).reshape(-1, 3)
     reach = np.linalg.norm(target - wearer.centre_of_rotation, axis=1)

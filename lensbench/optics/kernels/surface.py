@@ -184,10 +184,9 @@ def intersect(kind, p, breaks_x, breaks_y, cells, x, y, z, dx, dy, dz):
         else:
             behind = min(behind, t)
             left = left or not math.isfinite(error)
-        if before < wanted < behind:
-            t = wanted
-        else:
-            t = 0.5 * (before + behind) if behind < math.inf else before + 10.0
+        if not before < wanted < behind:
+            wanted = 0.5 * (before + behind) if behind < math.inf else before + 10.0
+        t = wanted
     inside = inside_domain(kind, breaks_x, breaks_y, x + t * dx, y + t * dy)
     return math.nan, 1 if left or not inside else 2
 
