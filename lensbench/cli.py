@@ -23,6 +23,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         args = parser().parse_args(arguments)
         args.run(args)
+    except ModuleNotFoundError as error:
+        print(f'lensbench: {error.name} is not installed: pip install "lensbench[report]"', file=sys.stderr)
+        return 1
     except LensBenchError as error:
         print(f"lensbench: {error}", file=sys.stderr)
         return error.exit_code

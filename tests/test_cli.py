@@ -105,6 +105,13 @@ def test_bad_usage_is_exit_2(text, capsys):
     assert stopped.value.code == 2
 
 
+def test_a_missing_package_is_named(monkeypatch, tmp_path, capsys):
+    monkeypatch.setitem(sys.modules, "lensbench.views.maps", None)
+    assert main(["map", REGULAR, "-o", str(tmp_path / "map.png")]) == 1
+    assert "pip install" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_output_that_cannot_be_written(tmp_path, capsys):
     (tmp_path / "file").write_text("")
     assert main(["map", REGULAR, "-o", str(tmp_path / "file" / "map.csv")]) == 2

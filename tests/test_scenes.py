@@ -1,11 +1,9 @@
 """The built-in scene stands where it says, is fine enough for the pictures, and rays meet it where geometry says."""
 
-import sys
-
 import numpy as np
 import pytest
 
-from lensbench.errors import InputError, LensBenchError
+from lensbench.errors import InputError
 from lensbench.optics.conventions import unit
 from lensbench.scenes.builtin import load_scene
 from lensbench.scenes.cast import first_hit
@@ -101,9 +99,3 @@ def test_first_hit_says_what_it_does_not_meet():
 def test_first_hit_takes_the_nearer_of_two():
     near, far = (rectangle(str(z), [0, 0, z], [-100, 0, 0], [0, 100, 0], GREY) for z in (300, 900))
     assert first_hit(Scene("two", (far, near)), [[0, 0, 0]], [[0, 0, 1]])[0] == pytest.approx(300)
-
-
-def test_a_missing_embree_is_said(monkeypatch):
-    monkeypatch.setitem(sys.modules, "embreex.mesh_construction", None)
-    with pytest.raises(LensBenchError, match=r"lensbench\[scenes\]"):
-        first_hit(Scene("none", ()), [[0, 0, 0]], [[0, 0, 1]])

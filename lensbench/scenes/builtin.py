@@ -75,7 +75,7 @@ class Sheet:
 def _font(face: str, size: int) -> ImageFont.FreeTypeFont:
     found = find_spec("matplotlib")
     if found is None or found.origin is None:
-        raise LensBenchError('the built-in scenes take their letters from matplotlib: pip install "lensbench[views]"')
+        raise LensBenchError('the built-in scenes take their letters from matplotlib: pip install "lensbench[scenes]"')
     folder = Path(found.origin).parent / "mpl-data" / "fonts" / "ttf"
     return ImageFont.truetype(folder / f"DejaVu{face}.ttf", size)
 

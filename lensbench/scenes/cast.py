@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import LensBenchError
 from ..optics.conventions import Floats
 from .scene import Scene
 
@@ -24,11 +23,9 @@ def first_hit(scene: Scene, origin: ArrayLike, direction: ArrayLike) -> Floats:
 
 
 def _cast(scene: Scene, start: Floats, along: Floats) -> Floats:
-    try:
-        from embreex.mesh_construction import TriangleMesh
-        from embreex.rtcore_scene import EmbreeScene
-    except ImportError:
-        raise LensBenchError('casting rays into a scene needs embreex: pip install "lensbench[scenes]"') from None
+    from embreex.mesh_construction import TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
     embree = EmbreeScene()
     for part in scene.parts:
         TriangleMesh(embree, part.points.astype(np.float32), part.triangles.astype(np.int32))

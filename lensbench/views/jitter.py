@@ -8,31 +8,27 @@ Source: Kakimoto, Tatsukawa & Nishita 2010, sec. 6; here one pass moves all vert
 from typing import Any, NamedTuple
 
 import numpy as np
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (the classes that draw)
 from numba import njit
 from numpy.typing import NDArray
 from PIL import Image, ImageChops, ImageDraw, ImageFont
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkPoints, vtkStringOutputWindow, vtkUnsignedCharArray
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataObject, vtkImageData, vtkPolyData
+from vtkmodules.vtkRenderingCore import (
+    vtkActor,
+    vtkPolyDataMapper,
+    vtkRenderer,
+    vtkRenderWindow,
+    vtkShaderProperty,
+    vtkTexture,
+)
 
 from ..errors import LensBenchError
 from ..layers import SeenPart, SeenScene
 from ..optics.conventions import Floats
 from ..scenes.scene import Part
 from .offscreen import require_gl
-
-try:
-    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  (the classes that draw)
-    from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
-    from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkPoints, vtkStringOutputWindow, vtkUnsignedCharArray
-    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataObject, vtkImageData, vtkPolyData
-    from vtkmodules.vtkRenderingCore import (
-        vtkActor,
-        vtkPolyDataMapper,
-        vtkRenderer,
-        vtkRenderWindow,
-        vtkShaderProperty,
-        vtkTexture,
-    )
-except ImportError:
-    raise LensBenchError('pictures need VTK, which is not installed: pip install "lensbench[views]"') from None
 
 Pixels = NDArray[np.uint8]
 Light = NDArray[np.float32]
