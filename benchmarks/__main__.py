@@ -16,7 +16,7 @@ import numpy as np
 
 import lensbench as lb
 from lensbench.optics import surfaces
-from lensbench.optics.conventions import mean_power, power_matrix, read_only
+from lensbench.optics.conventions import mean_power, power_matrix
 from lensbench.optics.gaze import trace_rays
 from lensbench.optics.lens import Lens, circle_outline
 from lensbench.optics.materials import MATERIALS
@@ -78,7 +78,7 @@ def map_latency() -> dict[str, float]:
     wearer = lb.load_wearer(ROOT / "sample_lenses" / "presbyope_60.toml")
     grid = lb.GazeGrid(128, 128)
     field = lb.trace(lens, wearer, grid)
-    eye = replace(wearer.eye, refraction=read_only(power_matrix(-1.0)))
+    eye = replace(wearer.eye, refraction=power_matrix(-1.0))
 
     def refraction() -> None:
         mean_power(field.with_eye(eye).power_error(400.0))

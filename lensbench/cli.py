@@ -14,16 +14,21 @@ from .errors import InputError, LensBenchError
 if TYPE_CHECKING:
     from .optics.eye import Wearer
     from .optics.lens import Lens
+    from .scenes.scene import Scene
 
 UNITS_IN_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    if hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(encoding="utf-8")
     try:
         args = parser().parse_args(arguments)
         args.run(args)
     except ModuleNotFoundError as error:
+        if str(error.name).startswith("lensbench"):
+            raise
         print(f'lensbench: {error.name} is not installed: pip install "lensbench[report]"', file=sys.stderr)
         return 1
     except LensBenchError as error:
@@ -39,52 +44,75 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="lensbench", description="What a spectacle lens does, and what its wearer sees.")
     top.add_argument("--version", action="version", version=f"lensbench {__version__}")
     verbs = top.add_subparsers(required=True, metavar="COMMAND")
+    for add in (_add_report, _add_map, _add_view, _add_eoc, _add_voxels, _add_check, _add_doctor):
+        add(verbs)
+    return top
 
-    report = _verb(verbs, "report", write_report, "write a full report of a lens: index.html, PNGs, results.json")
-    _lens_and_wearer(report)
-    report.add_argument(
+
+def _add_report(verbs: Any) -> None:
+    verb = _verb(verbs, "report", write_report, "write a full report of a lens: index.html, PNGs, results.json")
+    _lens_and_wearer(verb)
+    verb.add_argument(
         "--object-distance", type=distance, nargs="+", metavar="D", help="for the defocus maps (inf 78cm 40cm)"
     )
-    report.add_argument("-o", "--output", type=Path, default=None, metavar="DIR", help="folder (reports/<lens file>)")
+    verb.add_argument("-o", "--output", type=Path, default=None, metavar="DIR", help="folder (reports/<lens file>)")
 
-    one_map = _verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV or JSON")
-    _lens_and_wearer(one_map)
-    one_map.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
-    one_map.add_argument("-d", "--distance", type=distance_or_scene, default=math.inf, help="40cm, 6m, inf or scene")
-    one_map.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
-    _accommodation(one_map)
-    _output(one_map, "map.png")
 
-    view = _verb(verbs, "view", write_view, "what the wearer sees of the built-in scene, as PNG")
-    _lens_and_wearer(view)
-    view.add_argument(
+def _add_map(verbs: Any) -> None:
+    verb = _verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV or JSON")
+    _lens_and_wearer(verb)
+    verb.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
+    verb.add_argument("-d", "--distance", type=distance_or_scene, default=math.inf, help="40cm, 6m, inf or scene")
+    verb.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
+    _accommodation(verb)
+    _output(verb, "map.png")
+
+
+def _add_view(verbs: Any) -> None:
+    verb = _verb(verbs, "view", write_view, "what the wearer sees of the built-in scene, as PNG")
+    _lens_and_wearer(verb)
+    verb.add_argument(
         "--look", choices=["far", "intermediate", "near"], default="far", help="gaze at the picture's centre"
     )
-    view.add_argument("--gaze", type=float, nargs=2, metavar=("AZ", "EL"), help="the same in degrees, left and up")
-    view.add_argument("--eye", choices=["lens", "naked", "pinhole"], default="lens")
-    view.add_argument("--size", type=int, nargs=2, default=(960, 720), metavar=("W", "H"))
-    view.add_argument("--fov", type=float, default=50.0, help="horizontal field of view, degrees (50)")
-    view.add_argument("--passes", type=int, default=48, help="pictures blended for the blur (48)")
-    _accommodation(view)
-    _output(view, "view.png")
+    verb.add_argument("--gaze", type=gaze_angle, nargs=2, metavar=("AZ", "EL"), help="the same in degrees, left and up")
+    verb.add_argument("--eye", choices=["lens", "naked", "pinhole"], default="lens")
+    verb.add_argument("--size", type=int, nargs=2, default=(960, 720), metavar=("W", "H"))
+    verb.add_argument("--fov", type=float, default=50.0, help="horizontal field of view, degrees (50)")
+    verb.add_argument("--passes", type=count, default=48, help="pictures blended for the blur (48)")
+    _accommodation(verb)
+    verb.add_argument("-o", "--output", type=Path, default=Path("view.png"), metavar="FILE", help="(view.png)")
 
-    eoc = _verb(verbs, "eoc", write_ellipses, "ellipses of confusion at chosen depths, as PNG, CSV or JSON")
-    _lens_and_wearer(eoc)
-    eoc.add_argument("--depths", type=distance, nargs="+", default=[270.0, 780.0, 3400.0], help="(27cm 78cm 340cm)")
-    eoc.add_argument("-n", type=int, default=32, help="ellipses along each side (32)")
-    eoc.add_argument("--voxels", type=int, nargs=3, metavar=("NX", "NY", "NZ"), help="write the blur field (.npz)")
-    eoc.add_argument("--near", type=distance, default=200.0, help="nearest voxel plane (20cm)")
-    eoc.add_argument("--far", type=distance, default=10000.0, help="farthest voxel plane (10m)")
-    _accommodation(eoc)
-    _output(eoc, "eoc.png")
 
-    check = _verb(verbs, "check", check_file, "validate a lens, wearer or surface file and say what it holds")
-    check.add_argument("file", type=Path)
-    check.add_argument("--json", action="store_true")
+def _add_eoc(verbs: Any) -> None:
+    verb = _verb(verbs, "eoc", write_ellipses, "ellipses of confusion at chosen depths, as PNG, SVG, CSV or JSON")
+    _lens_and_wearer(verb)
+    verb.add_argument("--depths", type=depth, nargs="+", default=[270.0, 780.0, 3400.0], help="(27cm 78cm 340cm)")
+    verb.add_argument("-n", type=count, default=32, help="ellipses along each side (32)")
+    _accommodation(verb)
+    _output(verb, "eoc.png")
 
-    doctor = _verb(verbs, "doctor", print_doctor, "versions, graphics driver, threads")
-    doctor.add_argument("--json", action="store_true")
-    return top
+
+def _add_voxels(verbs: Any) -> None:
+    verb = _verb(verbs, "voxels", write_voxels, "the blur field of a view frustum, a matrix a voxel, as .npz")
+    _lens_and_wearer(verb)
+    verb.add_argument("-n", type=count, nargs=3, default=[64, 64, 64], metavar=("NX", "NY", "NZ"), help="(64 64 64)")
+    verb.add_argument("--near", type=depth, default=200.0, help="nearest plane (20cm)")
+    verb.add_argument("--far", type=depth, default=10000.0, help="farthest plane (10m)")
+    _accommodation(verb)
+    verb.add_argument(
+        "-o", "--output", type=Path, default=Path("blur_field.npz"), metavar="FILE", help="(blur_field.npz)"
+    )
+
+
+def _add_check(verbs: Any) -> None:
+    verb = _verb(verbs, "check", check_file, "validate a lens, wearer or surface file and say what it holds")
+    verb.add_argument("file", type=Path)
+    verb.add_argument("--json", action="store_true")
+
+
+def _add_doctor(verbs: Any) -> None:
+    verb = _verb(verbs, "doctor", print_doctor, "versions, graphics driver, threads")
+    verb.add_argument("--json", action="store_true")
 
 
 def _verb(verbs: Any, name: str, run: Any, summary: str) -> argparse.ArgumentParser:
@@ -119,6 +147,32 @@ def distance(text: str) -> float:
     return float(match[1]) * UNITS_IN_MM[match[2]]
 
 
+def depth(text: str) -> float:
+    """A finite distance with its unit, in mm."""
+    value = distance(text)
+    if math.isinf(value):
+        raise argparse.ArgumentTypeError("a depth must be finite: 27cm, 6m")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number from 1 to 4096."""
+    if not text.isdecimal() or not 1 <= int(text) <= 4096:
+        raise argparse.ArgumentTypeError(f"{text!r} is no count; write a whole number from 1 to 4096")
+    return int(text)
+
+
+def gaze_angle(text: str) -> float:
+    """An angle of gaze in degrees, within 80 of straight ahead."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= 80:
+        raise argparse.ArgumentTypeError(f"{text!r} is no angle of gaze; write degrees from -80 to 80")
+    return value
+
+
 def distance_or_scene(text: str) -> float | str:
     """A distance, or "scene" for whatever each ray meets in the built-in scene."""
     return "scene" if text == "scene" else distance(text)
@@ -131,11 +185,12 @@ def accommodation(text: str) -> float | str:
     if text in ACCOMMODATION_RULES:
         return text
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        raise InputError(
-            f"--accommodation: {text!r} is none of {', '.join(ACCOMMODATION_RULES)}, nor a number"
-        ) from None
+        value = math.nan
+    if not 0 <= value <= 20:
+        raise InputError(f"--accommodation: {text!r} is none of {', '.join(ACCOMMODATION_RULES)}, nor 0 to 20 dioptres")
+    return value
 
 
 def _load(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
@@ -154,8 +209,24 @@ def _kind(path: Path, *allowed: str) -> str:
     return path.suffix.lower()
 
 
-def _print_written(path: Path) -> None:
+def _write(path: Path, content: str | bytes) -> None:
+    from .output import write_file
+
+    write_file(path, content)
     print(path)
+
+
+def _write_picture(path: Path, picture: Any) -> None:
+    from .views.maps import save_picture
+
+    save_picture(picture, path)
+    print(path)
+
+
+def _room() -> "Scene":
+    from .scenes.builtin import load_scene
+
+    return load_scene("room")
 
 
 def write_report(args: argparse.Namespace) -> None:
@@ -169,116 +240,95 @@ def write_report(args: argparse.Namespace) -> None:
     lens, wearer = _load(args)
     build_report(lens, wearer, folder, tuple(args.object_distance or DEFAULT_DISTANCES), progress)
     progress.done()
-    _print_written(folder / "index.html")
+    print(folder / "index.html")
 
 
 def write_map(args: argparse.Namespace) -> None:
     """lensbench map LENS."""
     from .layers import MapLayer, Request
-    from .output import to_json, write_file
-    from .scenes.builtin import load_scene
+    from .output import to_json
+    from .report.tables import map_csv, map_numbers
     from .workbench import run
 
     kind = _kind(args.output, ".png", ".svg", ".csv", ".json")
     lens, wearer = _load(args)
-    scene = load_scene("room") if args.distance == "scene" else None
+    scene = _room() if args.distance == "scene" else None
     layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))
     result = run(Request(lens, wearer, layer, scene))
-    if args.json or kind == ".json":
-        text = to_json(
-            {name: getattr(result, name) for name in ("quantity", "label", "unit", "x", "y", "values", "status")}
-        )
-        print(text) if args.json else write_file(args.output, text)
+    if args.json:
+        print(to_json(map_numbers(result)))
+    elif kind == ".json":
+        _write(args.output, to_json(map_numbers(result)))
     elif kind == ".csv":
-        from .report.tables import map_csv
-
-        write_file(args.output, map_csv(result))
+        _write(args.output, map_csv(result))
     else:
-        _draw_map(args, lens, wearer, result)
-    if not args.json:
-        _print_written(args.output)
+        _write_picture(args.output, _map_picture(args, lens, wearer, result))
 
 
-def _draw_map(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> None:
+def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> Any:
     from .report.tables import distance_text
-    from .views.maps import map_figure, save_picture
 
     subtitle = distance_text(args.distance)
     if args.on_lens:
         from .views.lens3d import map_on_lens
 
-        save_picture(map_on_lens(lens, wearer, result, subtitle=subtitle), args.output)
-    else:
-        save_picture(map_figure(lens, result, subtitle=subtitle), args.output)
+        return map_on_lens(lens, wearer, result, subtitle=subtitle)
+    from .views.maps import map_figure
+
+    return map_figure(lens, result, subtitle=subtitle)
 
 
 def write_view(args: argparse.Namespace) -> None:
     """lensbench view LENS."""
     from .layers import Request, ViewLayer
-    from .scenes.builtin import load_scene
     from .workbench import look, run
 
     _kind(args.output, ".png")
-    if args.json:
-        raise InputError("view: a picture has no numbers to print; leave out --json")
+    if not 5 <= args.fov <= 120 or min(args.size) < 16 or max(args.size) > 8192:
+        raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels")
     lens, wearer = _load(args)
     gaze = tuple(map(math.radians, args.gaze)) if args.gaze else look(args.look, lens, wearer)
-    if not 5 <= args.fov <= 120 or min(args.size) < 16 or max(args.size) > 8192 or not 1 <= args.passes <= 4096:
-        raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels, --passes 1 to 4096")
     rule = accommodation(args.accommodation)
     layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
-    seen = run(Request(lens, wearer, layer, load_scene("room")))
+    seen = run(Request(lens, wearer, layer, _room()))
     from .views.jitter import render_view
-    from .views.maps import save_picture
 
-    save_picture(render_view(seen, args.passes), args.output)
-    _print_written(args.output)
+    _write_picture(args.output, render_view(seen, args.passes))
 
 
 def write_ellipses(args: argparse.Namespace) -> None:
     """lensbench eoc LENS."""
     from .layers import EllipseLayer, Request
-    from .output import to_json, write_file
+    from .output import to_json
     from .report.tables import ellipse_rows, ellipses_csv
     from .workbench import run
 
-    lens, wearer = _load(args)
-    rule = accommodation(args.accommodation)
-    if args.voxels:
-        _write_voxels(args, lens, wearer, rule)
-        return
     kind = _kind(args.output, ".png", ".svg", ".csv", ".json")
-    sheets = run(Request(lens, wearer, EllipseLayer(tuple(args.depths), args.n, accommodation=rule)))
-    if args.json or kind == ".json":
-        text = to_json(ellipse_rows(sheets))
-        print(text) if args.json else write_file(args.output, text)
+    lens, wearer = _load(args)
+    layer = EllipseLayer(tuple(args.depths), args.n, accommodation=accommodation(args.accommodation))
+    sheets = run(Request(lens, wearer, layer))
+    if args.json:
+        print(to_json(ellipse_rows(sheets)))
+    elif kind == ".json":
+        _write(args.output, to_json(ellipse_rows(sheets)))
     elif kind == ".csv":
-        write_file(args.output, ellipses_csv(sheets))
+        _write(args.output, ellipses_csv(sheets))
     else:
         from .views.ellipses import ellipse_figure
-        from .views.maps import save_picture
 
-        save_picture(ellipse_figure(lens, wearer, sheets), args.output)
-    if not args.json:
-        _print_written(args.output)
+        _write_picture(args.output, ellipse_figure(lens, wearer, sheets))
 
 
-def _write_voxels(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", rule: float | str) -> None:
-    import io
-
-    import numpy as np
-
+def write_voxels(args: argparse.Namespace) -> None:
+    """lensbench voxels LENS."""
     from .layers import Request, VoxelLayer
-    from .output import write_file
+    from .report.tables import voxels_npz
     from .workbench import run
 
-    path = args.output if args.output != Path("eoc.png") else Path("blur_field.npz")
-    _kind(path, ".npz")
-    voxels = run(Request(lens, wearer, VoxelLayer(*args.voxels, args.near, args.far, accommodation=rule)))
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, blur=voxels.blur, u=voxels.u, v=voxels.v, depth=voxels.depth, status=voxels.status)
-    write_file(path, buffer.getvalue())
-    _print_written(path)
+    _kind(args.output, ".npz")
+    lens, wearer = _load(args)
+    layer = VoxelLayer(*args.n, args.near, args.far, accommodation=accommodation(args.accommodation))
+    _write(args.output, voxels_npz(run(Request(lens, wearer, layer))))
 
 
 def check_file(args: argparse.Namespace) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .optics.conventions import Floats
+from .optics.conventions import Floats, ReadOnlyArrays
 from .optics.eye import Wearer
 from .optics.field import Accommodation
 from .optics.lens import Lens
@@ -98,7 +98,7 @@ class Request:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LensMap:
+class LensMap(ReadOnlyArrays):
     """values, status (ny, nx) of a quantity at lens points x (nx,), y (ny,) mm on the front surface; NaN where not OK."""
 
     quantity: str
@@ -111,7 +111,7 @@ class LensMap:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Profile:
+class Profile(ReadOnlyArrays):
     """Power along the meridian: lens points x, y (n,) mm; mean, least and greatest as-worn power and astigmatism (n,) D."""
 
     x: Floats
@@ -148,7 +148,7 @@ class PointReading:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class EllipseSheet:
+class EllipseSheet(ReadOnlyArrays):
     """Ellipses on one plane at `depth` mm. centre (n, 3) mm; spokes (n, 3, 2): images of the pupil's unit vectors, mm.
 
     semi_major, semi_minor (n,) mm; orientation (n,) rad; accommodation (n,) D; status (n,).
@@ -165,7 +165,7 @@ class EllipseSheet:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class VoxelField:
+class VoxelField(ReadOnlyArrays):
     """blur (nz, ny, nx, 2, 2) mm across the outgoing rays; u (nx,), v (ny,): tangents of the gaze; depth (nz,): mm ahead
     of the centre of rotation; status (ny, nx). NaN where a ray failed or the plane lies behind the lens.
     """
@@ -178,7 +178,7 @@ class VoxelField:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SeenPart:
+class SeenPart(ReadOnlyArrays):
     """A part as the eye sees it. gaze (n, 3): apparent unit directions, wear frame; reach (n,): true distance, mm.
 
     spread (n, 3, 2): change of the (not normalised) direction by the pupil's unit vectors; the point appears all over
@@ -192,7 +192,7 @@ class SeenPart:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SeenScene:
+class SeenScene(ReadOnlyArrays):
     """Everything a renderer needs: the camera stands at `eye` (3,) mm and its rows of `frame` (3, 3) are right-to-left,
     up and ahead. through: parts seen through the lens (or by the naked eye); around: parts as seen past the lens's edge,
     None for the naked eye. rims: closed curves (k, 2) in the picture plane (tangents along frame rows 0 and 1) within all

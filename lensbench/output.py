@@ -9,6 +9,9 @@ from typing import Any
 
 from .errors import InputError
 
+UMASK = os.umask(0o077)
+os.umask(UMASK)
+
 
 def write_file(path: Path, content: bytes | str) -> None:
     """Write the file whole or not at all. Raises InputError when its folder cannot be written."""
@@ -21,17 +24,13 @@ def write_file(path: Path, content: bytes | str) -> None:
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
-        os.chmod(name, 0o666 & ~_umask())
+        os.chmod(name, 0o666 & ~UMASK)
         os.replace(name, path)
-    except OSError as error:
+    except BaseException as error:
         os.unlink(name)
-        raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+        if isinstance(error, OSError):
+            raise InputError(f"{path}: cannot be written: {error.strerror}") from None
+        raise
 
 
 def to_json(value: Any) -> str:

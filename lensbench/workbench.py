@@ -4,7 +4,7 @@ The command line, the report and the window all build Requests and call run(); n
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, singledispatch
 from typing import Any
 
@@ -29,9 +29,9 @@ from .layers import (
     VoxelField,
     VoxelLayer,
 )
-from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, read_only, unit
+from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, sphere_cylinder_axis, unit
 from .optics.eye import Eye, Wear, Wearer
-from .optics.field import Accommodation, GazeField
+from .optics.field import Accommodation, GazeField, ellipse
 from .optics.gaze import (
     GazeGrid,
     angles_from_direction,
@@ -55,7 +55,7 @@ def assumed_wearer(lens: Lens) -> Wearer:
     """
     order = lens.ordered or Order()
     wear = Wear(13.0, float(np.radians(8.0)), float(np.radians(5.0)))
-    eye = Eye(read_only(order.power()), wear.vertex_distance, max(0.0, 2 * (2.5 - order.addition)), 4.0)
+    eye = Eye(order.power(), wear.vertex_distance, max(0.0, 2 * (2.5 - order.addition)), 4.0)
     return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
 
 
@@ -160,7 +160,10 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     if layer.quantity not in QUANTITIES:
         raise InputError(f"unknown quantity {layer.quantity!r}; there are {', '.join(QUANTITIES)}")
     quantity = QUANTITIES[layer.quantity]
-    x, y, inside, field = _map_field(lens, request.wearer, layer.samples)
+    wearer = request.wearer
+    samples = _map_field(lens, wearer.wear, wearer.eye.centre_of_rotation, wearer.eye.entrance_pupil, layer.samples)
+    x, y, inside, field = samples
+    field = replace(field, wearer=wearer)
     distance = _object_distance(layer.distance, field, request)
     values = np.full(inside.size, np.nan)
     values[inside] = quantity.values(field, distance, layer.accommodation)
@@ -171,16 +174,22 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
 
 
 @lru_cache(maxsize=4)
-def _map_field(lens: Lens, wearer: Wearer, samples: int) -> tuple[Floats, Floats, NDArray[np.bool_], GazeField]:
+def _map_field(
+    lens: Lens, wear: Wear, centre_of_rotation: float, entrance_pupil: float, samples: int
+) -> tuple[Floats, Floats, NDArray[np.bool_], GazeField]:
     """Sample coordinates x (nx,), y (ny,) over the lens, which samples lie inside, and the field through those.
 
-    Kept for the next map of the same lens and wearer: all quantities are algebra on one trace.
+    Kept for the next map of the lens in this position of wear: all quantities, for any refraction, accommodation and
+    pupil, are algebra on one trace.
     """
     x, y = _square_samples(lens.outline, samples)
     px, py = (a.ravel() for a in np.meshgrid(x, y))
     inside = lens.outline.contains(px, py)
-    field = look_through(lens, wearer, px[inside], py[inside])
+    eye = Eye(centre_of_rotation=centre_of_rotation, entrance_pupil=entrance_pupil)
+    field = look_through(lens, Wearer(eye, wear), px[inside], py[inside])
     _some_ray_passes(field)
+    for array in (x, y, inside):
+        array.setflags(write=False)
     return x, y, inside, field
 
 
@@ -229,26 +238,49 @@ def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
 @_answer.register
 def reference_readings(layer: PointsLayer, request: Request) -> tuple[PointReading, ...]:
     """As-worn readings at the reference points that the lens names, against its order."""
-    lens = _needed_lens(request)
-    return tuple(_reading(lens, request.wearer, name, *point) for name, point in lens.points.named().items())
+    lens, wear = _needed_lens(request), request.wearer.wear
+    points = lens.points.named()
+    near_object = wear.near_distance - wear.vertex_distance - lens.centre_thickness
+    distances = np.array([near_object if name == "near_reference_point" else np.inf for name in points])
+    field = look_through(lens, request.wearer, *np.transpose(list(points.values())))
+    return tuple(_reading(field, k, name, float(distances[k])) for k, name in enumerate(points))
 
 
-def _reading(lens: Lens, wearer: Wearer, name: str, x: float, y: float) -> PointReading:
-    near = name == "near_reference_point"
-    distance = wearer.wear.near_distance - wearer.wear.vertex_distance if near else np.inf
-    field = look_through(lens, wearer, [x], [y])
-    power = field.as_worn_matrix(distance)[0]
-    sphere, cylinder, axis = (float(v[0]) for v in field.as_worn_power(distance))
-    prism, base = (float(v[0]) for v in field.prism())
-    azimuth, elevation = (float(np.degrees(a[0])) for a in angles_from_direction(field.directions))
-    mean_error = astigmatic_error = None
-    if lens.ordered is not None and name in ("distance_reference_point", "near_reference_point"):
-        error = power - lens.ordered.power(near)
-        mean_error, astigmatic_error = float(mean_power(error)), float(astigmatism(error))
+def _reading(field: GazeField, k: int, name: str, distance: float) -> PointReading:
+    """The reading of the k-th ray of a field, which passes a reference point of its lens."""
+    lens = field.lens
+    assert lens is not None
+    x, y = lens.points.named()[name]
+    power, prism = field.as_worn_matrix(distance)[k], field.prism()
+    sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(power))
+    azimuth, elevation = (float(np.degrees(a[k])) for a in angles_from_direction(field.directions))
+    mean_error, astigmatic_error = _against_order(lens, name, power)
     return PointReading(
-        name, x, y, azimuth, elevation, distance, sphere, cylinder, axis, float(mean_power(power)),
-        float(astigmatism(power)), prism, base, mean_error, astigmatic_error, Status(field.status[0]).name,
-    )  # fmt: skip
+        name=name,
+        x=x,
+        y=y,
+        azimuth=azimuth,
+        elevation=elevation,
+        distance=distance,
+        sphere=sphere,
+        cylinder=cylinder,
+        axis=axis,
+        mean_power=float(mean_power(power)),
+        astigmatism=float(astigmatism(power)),
+        prism=float(prism.prism[k]),
+        prism_base=float(prism.base[k]),
+        mean_error=mean_error,
+        astigmatic_error=astigmatic_error,
+        status=Status(field.status[k]).name,
+    )
+
+
+def _against_order(lens: Lens, name: str, power: Floats) -> tuple[float, float] | tuple[None, None]:
+    """Mean and astigmatic difference (D) of a power matrix to the order at a reference point; None where none is ordered."""
+    if lens.ordered is None or name not in ("distance_reference_point", "near_reference_point"):
+        return None, None
+    error = power - lens.ordered.power(near=name == "near_reference_point")
+    return float(mean_power(error)), float(astigmatism(error))
 
 
 @_answer.register
@@ -267,12 +299,11 @@ def _to_plane(field: GazeField, z: Any) -> Floats:
 
 def _sheet(field: GazeField, depth: float, rule: Accommodation) -> EllipseSheet:
     distance = _to_plane(field, depth)
-    blur = field.blur(distance, rule)
+    used = field.accommodation(distance, rule)
+    blur = field.blur(distance, used)
     centre = field.origin + distance[:, None] * field.direction
     spokes = np.swapaxes(field.frame[:, :2], 1, 2) @ blur
-    return EllipseSheet(
-        depth, centre, spokes, *field.eoc(distance, rule), field.accommodation(distance, rule), field.status
-    )
+    return EllipseSheet(depth, centre, spokes, *ellipse(blur), used, field.status)
 
 
 @_answer.register
@@ -294,6 +325,8 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
 @_answer.register
 def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
     """The scene as the turning eye sees it: each vertex's apparent direction and the ellipse in which it is spread."""
+    if layer.eye not in ("lens", "naked", "pinhole"):
+        raise InputError(f"eye: {layer.eye!r} is none of lens, naked, pinhole")
     scene, wearer = _needed_scene(request), request.wearer
     lens = None if layer.eye == "naked" else _needed_lens(request)
     sharp = layer.eye == "pinhole"
@@ -310,19 +343,27 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
 def _seen_part(lens: Lens | None, wearer: Wearer, part: Part, rule: Accommodation, sharp: bool) -> SeenPart:
     field = look_at(lens, wearer, part.points, within_outline=False)
     reach = np.linalg.norm(part.points - wearer.centre_of_rotation, axis=1)
+    gaze = _seen_directions(field)
     if sharp:
-        return SeenPart(part, field.directions, reach, np.zeros((reach.size, 3, 2)))
-    blur = field.apparent_blur(field.distances_to(part.points), rule)
-    return SeenPart(part, field.directions, reach, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ blur)
+        return SeenPart(part, gaze, reach, np.zeros((reach.size, 3, 2)))
+    distance = np.where(field.status == Status.OK, field.distances_to(part.points), np.nan)
+    return SeenPart(
+        part, gaze, reach, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ field.apparent_blur(distance, rule)
+    )
+
+
+def _seen_directions(field: GazeField) -> Floats:
+    """The gazes (n, 3) of a field, NaN where the ray failed."""
+    return np.where((field.status == Status.OK)[:, None], field.directions, np.nan)
 
 
 def _rims(lens: Lens, wearer: Wearer, frame: Floats) -> tuple[Floats, ...]:
     """The edges of the back and of the front surface as the turning eye sees them, in the picture plane."""
-    x, y = lens.outline.points(360)
+    x, y = lens.outline.points()
     pose = worn_pose(lens, wearer.wear)
     back = pose.to_wear(np.stack([x, y, lens.back_height(x, y)], axis=-1))
     front = pose.to_wear(np.stack([x, y, lens.front_height(x, y)], axis=-1))
-    seen = unit(back - wearer.centre_of_rotation), look_at(lens, wearer, front, within_outline=False).directions
+    seen = unit(back - wearer.centre_of_rotation), _seen_directions(look_at(lens, wearer, front, within_outline=False))
     return tuple(_on_picture_plane(directions, frame) for directions in seen)
 
 

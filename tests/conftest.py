@@ -13,7 +13,7 @@ from hypothesis import settings
 from scipy.interpolate import make_interp_spline
 
 from lensbench.optics import surfaces
-from lensbench.optics.conventions import power_matrix, read_only
+from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wear, Wearer
 from lensbench.optics.lens import Lens, circle_outline
 from lensbench.optics.materials import Material
@@ -78,7 +78,7 @@ def spline_arrays():
 
 
 WORN = Wear(13.0, pantoscopic_angle=0.15, face_form_angle=0.09, decentration=(1.5, -2.5))
-ASTIGMATIC = Eye(read_only(power_matrix(-1.5, -2.0, 25.0)), accommodation=2.0)
+ASTIGMATIC = Eye(power_matrix(-1.5, -2.0, 25.0), accommodation=2.0)
 
 
 @pytest.fixture(scope="session", params=["sphere", "asphere", "torus", "biconic", "spline"])

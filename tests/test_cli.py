@@ -55,7 +55,7 @@ def test_map_as_csv(tmp_path, capsys):
 def test_ellipses_as_csv_and_json(tmp_path, capsys):
     path = tmp_path / "eoc.csv"
     assert main(["eoc", REGULAR, "--depths", "30cm", "2m", "-n", "6", "-o", str(path)]) == 0
-    assert len(path.read_text().splitlines()) == 1 + 2 * 36
+    assert len(path.read_text(encoding="utf-8").splitlines()) == 1 + 2 * 36
     capsys.readouterr()
     assert main(["eoc", REGULAR, "--depths", "30cm", "2m", "-n", "6", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)
@@ -64,7 +64,7 @@ def test_ellipses_as_csv_and_json(tmp_path, capsys):
 
 def test_voxels_as_npz(tmp_path):
     path = tmp_path / "blur.npz"
-    assert main(["eoc", REGULAR, "--voxels", "6", "5", "4", "-o", str(path)]) == 0
+    assert main(["voxels", REGULAR, "-n", "6", "5", "4", "-o", str(path)]) == 0
     with np.load(path) as file:
         assert file["blur"].shape == (4, 5, 6, 2, 2)
 
@@ -83,6 +83,10 @@ def test_doctor_names_versions_and_threads(capsys):
         ["map", REGULAR, "-q", "beauty", "--json"],
         ["map", REGULAR, "-o", "map.xyz"],
         ["map", REGULAR, "--accommodation", "much", "--json"],
+        ["map", REGULAR, "--accommodation", "nan", "--json"],
+        ["map", REGULAR, "--accommodation", "-1", "--json"],
+        ["voxels", REGULAR, "--near", "5m", "--far", "1m"],
+        ["check", "."],
         ["eoc", REGULAR, "-o", "eoc"],
         ["view", REGULAR, "--fov", "500"],
         ["map", REGULAR, "-w", REGULAR, "--json"],
@@ -98,17 +102,29 @@ def test_bad_input_is_one_sentence_and_exit_2(arguments, tmp_path, monkeypatch, 
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("text", ["40", "0cm", "-4m", "near", "1e3mm"])
-def test_bad_usage_is_exit_2(text, capsys):
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(["map", REGULAR, "-d", text] for text in ("40", "0cm", "-4m", "near", "1e3mm")),
+        ["eoc", REGULAR, "--depths", "inf"],
+        ["eoc", REGULAR, "-n", "0"],
+        ["voxels", REGULAR, "-n", "4", "4", "-4"],
+        ["view", REGULAR, "--gaze", "180", "0"],
+        ["paint", REGULAR],
+    ],
+)
+def test_bad_usage_is_exit_2(arguments, capsys):
     with pytest.raises(SystemExit) as stopped:
-        main(["map", REGULAR, "-d", text])
+        main(arguments)
     assert stopped.value.code == 2
+    assert "error:" in capsys.readouterr().err
 
 
 def test_a_missing_package_is_named(monkeypatch, tmp_path, capsys):
-    monkeypatch.setitem(sys.modules, "lensbench.views.maps", None)
+    monkeypatch.delitem(sys.modules, "lensbench.views.maps", raising=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
     assert main(["map", REGULAR, "-o", str(tmp_path / "map.png")]) == 1
-    assert "pip install" in capsys.readouterr().err
+    assert "matplotlib is not installed: pip install" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
 
 

@@ -203,6 +203,17 @@ BAD_LENSES = {
         "knots",
     ),
     "a wearer, not a lens": (WEARER, "wearer"),
+    "material of the wrong kind": (LENS.replace('"CR-39"', "5"), "material: must be a table, not 5"),
+    "mistyped type": (
+        LENS.replace('type = "sphere"\nradius = 120.0', 'typ = "sphere"\nradius = 120.0'),
+        "front: the key 'type'",
+    ),
+    "no key of pydantic's": (
+        LENS.replace('type = "sphere"\nradius = 120.0', 'type = "grid"\nfile = "a.sdf"\nfirst_point = "middle"'),
+        "toml: front.first_point:",
+    ),
+    "a list for a table": (LENS.replace('{ shape = "circle", diameter = 60 }', "[1, 2]"), "outline: must be a table"),
+    "a point outside": (LENS + "[points]\nfitting_point = [100, 0]\n", "points.fitting_point"),
 }
 
 

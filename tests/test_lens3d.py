@@ -187,7 +187,7 @@ def test_the_stack_shows_the_upper_sheet_above_and_survives_sheets_without_rays(
 
 
 def resident():
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
     return pages * 4096 / 1e6
 
 

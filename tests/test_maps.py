@@ -231,7 +231,7 @@ def test_files_are_written_whole(tmp_path):
     maps.save_picture(figure, tmp_path / "a.png")
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "a.png")), maps.figure_array(figure))
     maps.save_picture(figure, tmp_path / "a.svg")
-    assert "<text" in (tmp_path / "a.svg").read_text()
+    assert "<text" in (tmp_path / "a.svg").read_text(encoding="utf-8")
     with pytest.raises(InputError):
         maps.save_picture(figure, tmp_path / "a.jpg")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.png", "a.svg"]

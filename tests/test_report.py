@@ -17,7 +17,7 @@ from lensbench.report.progress import Progress
 from lensbench.workbench import run
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
-HOSTILE = 'Lens <script>alert("x")</script> & co'
+HOSTILE = 'Lens <script>alert("x")</script> & $\\frac$ co'
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def folder(tmp_path_factory, wearer):
 
 
 def test_the_page_needs_nothing_else(folder):
-    page = (folder / "index.html").read_text()
+    page = (folder / "index.html").read_text(encoding="utf-8")
     references = re.findall(r'(?:src|href)="([^"]*)"', page)
     assert references
     assert all(r.startswith(("data:image/png;base64,", "#")) for r in references)
@@ -45,13 +45,13 @@ def test_the_page_needs_nothing_else(folder):
 
 
 def test_text_from_files_is_escaped(folder):
-    page = (folder / "index.html").read_text()
+    page = (folder / "index.html").read_text(encoding="utf-8")
     assert "<script" not in page
     assert "&lt;script&gt;" in page
 
 
 def test_every_picture_of_the_page_lies_beside_it(folder):
-    page = (folder / "index.html").read_text()
+    page = (folder / "index.html").read_text(encoding="utf-8")
     pictures = sorted(folder.glob("*.png"))
     assert len(pictures) == page.count("data:image/png") >= 14
     for path in pictures:
@@ -61,7 +61,7 @@ def test_every_picture_of_the_page_lies_beside_it(folder):
 
 
 def test_numbers_are_those_of_the_workbench(folder, wearer):
-    found = json.loads((folder / "results.json").read_text())
+    found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     lens = lb.load_lens(SAMPLES / "regular_R.toml")
     for printed, reading in zip(found["reference_points"], run(Request(lens, wearer, PointsLayer())), strict=True):
         for name, value in asdict(reading).items():
@@ -74,7 +74,7 @@ def test_numbers_are_those_of_the_workbench(folder, wearer):
 
 
 def test_every_number_has_a_unit(folder):
-    found = json.loads((folder / "results.json").read_text())
+    found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     rows = [*found["reference_points"], found["profile"], *found["ellipses"]]
     numeric = {k for row in rows for k, v in row.items() if isinstance(v, float | list)} - {"status"}
     assert numeric <= set(found["units"])
@@ -82,8 +82,8 @@ def test_every_number_has_a_unit(folder):
 
 
 def test_readings_stand_in_the_page(folder):
-    page = (folder / "index.html").read_text()
-    near = json.loads((folder / "results.json").read_text())["reference_points"][-1]
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    near = json.loads((folder / "results.json").read_text(encoding="utf-8"))["reference_points"][-1]
     assert f"{near['sphere']:+.2f} / {near['cylinder']:+.2f} x {near['axis']:.0f}" in page
     assert f"{near['mean_error']:+.2f}" in page
 

@@ -1,5 +1,6 @@
 """Lens files: format "lensbench-lens/1". Lengths in mm, powers in D, angles in degrees; frames as in optics.conventions."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -198,13 +199,22 @@ def _curvature(
 
 
 class MaterialTable(Table):
-    """A material by its own numbers; density in g/cm3."""
+    """A material by its own numbers (density in g/cm3), or by a name of the table of materials."""
 
     name: str
     n_d: float = Field(gt=1, lt=3)
     n_e: float = Field(gt=1, lt=3)
     abbe: float = Field(gt=10, lt=120)
     density: float = Field(gt=0.5, lt=10)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_name(cls, data: Any) -> Any:
+        if not isinstance(data, str):
+            return data
+        if data not in MATERIALS:
+            raise ValueError(f"{data!r} is not known; there are {', '.join(MATERIALS)}, or give its numbers")
+        return asdict(MATERIALS[data])
 
 
 class OutlineTable(Table):
@@ -263,7 +273,7 @@ class LensTable(Table):
     format: Literal["lensbench-lens/1"]
     name: str = ""
     side: Literal["R", "L"]
-    material: str | MaterialTable
+    material: MaterialTable
     wavelength: Literal["d", "e"] = "e"
     centre_thickness: float = Field(gt=0, le=50)
     outline: OutlineTable
@@ -276,7 +286,7 @@ class LensTable(Table):
 def build_lens(path: Path, data: dict[str, Any]) -> Lens:
     """The lens of a lens file's tables, checked for thickness over its whole outline. Raises InputError."""
     table = validated(path, data, LensTable)
-    material = _material(path, table.material)
+    material = Material(**table.material.model_dump())
     index = material.index(table.wavelength)
     lens = Lens(
         front=table.front.build("front", index, path.parent),
@@ -290,19 +300,16 @@ def build_lens(path: Path, data: dict[str, Any]) -> Lens:
         ordered=None if table.ordered is None else Order(**table.ordered.model_dump()),
         name=table.name or path.stem,
     )
+    _check_points(path, lens)
     _check_inset(path, lens)
     _check_thickness(path, lens)
     return lens
 
 
-def _material(path: Path, material: str | MaterialTable) -> Material:
-    if isinstance(material, MaterialTable):
-        return Material(**material.model_dump())
-    if material not in MATERIALS:
-        raise InputError(
-            f"{path}: material: {material!r} is not known; there are {', '.join(MATERIALS)}, or give its numbers"
-        )
-    return MATERIALS[material]
+def _check_points(path: Path, lens: Lens) -> None:
+    for name, (x, y) in lens.points.named().items():
+        if not lens.outline.contains(x, y):
+            raise InputError(f"{path}: points.{name}: ({x:g}, {y:g}) mm lies outside the outline")
 
 
 def _check_inset(path: Path, lens: Lens) -> None:
@@ -339,8 +346,6 @@ def _check_thickness(path: Path, lens: Lens) -> None:
 
 def read_grid(path: Path) -> PointGrid:
     """The first point grid of a surface file. Raises InputError."""
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
-    if path.suffix.lower() != ".sdf":
+    if path.is_file() and path.suffix.lower() != ".sdf":
         raise InputError(f"{path}: {path.suffix or 'a file without extension'} is not read; point files are .sdf")
     return read_sdf(path)[0]

@@ -1,6 +1,6 @@
 """A grid of sags read from a file, and how it becomes a smooth surface."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -56,7 +56,6 @@ class PointGrid:
         if min(z.shape) < 6:
             raise InputError(f"{self.source}: {z.shape[1]} x {z.shape[0]} points are too few; a surface needs 6 x 6")
         x, y = np.linspace(-width / 2, width / 2, z.shape[1]), np.linspace(-height / 2, height / 2, z.shape[0])
-        raw = fitted_grid(x, y, z, self.rounding_step)
-        residual = np.sqrt(np.mean((raw.sag(*np.meshgrid(x, y)) - z) ** 2))
-        note = f"{self.describe(index)}; fit residual {residual * 1e6:.2g} nm rms"
-        return fitted_grid(x, y, z - raw.sag(0.0, 0.0), self.rounding_step, note=note, **pose)
+        surface = fitted_grid(x, y, z, self.rounding_step, **pose)
+        residual = np.std(surface.sag(*np.meshgrid(x, y)) - z)
+        return replace(surface, note=f"{self.describe(index)}; fit residual {residual * 1e6:.2g} nm rms")

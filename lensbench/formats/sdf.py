@@ -10,26 +10,20 @@ import numpy as np
 
 from ..errors import InputError
 from .point_grid import PointGrid
+from .toml_file import read_text
 
 MOST_POINTS = 4_000_000
 
 
 def read_sdf(path: Path) -> list[PointGrid]:
     """All surface blocks of an SDF file. Raises InputError with the line of what is wrong."""
-    lines = _text(path).splitlines()
+    lines = read_text(path).splitlines()
     headers = [k for k, line in enumerate(lines) if line.strip().upper().startswith("SURFMT=")]
     if not headers:
         raise InputError(
             f"{path}: no SURFMT record; an SDF file has a line SURFMT=1;R;F;nx;ny;width;height;0 and ZZ= lines"
         )
     return [_block(path, lines, k) for k in headers]
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: byte {error.start} is not text; an SDF file is plain text") from None
 
 
 def _block(path: Path, lines: list[str], header: int) -> PointGrid:

@@ -29,16 +29,22 @@ class Table(BaseModel):
 T = TypeVar("T", bound=Table)
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """The tables of a TOML file. Raises InputError with the line of a syntax error."""
+def read_text(path: Path) -> str:
+    """The text of a UTF-8 file, with or without byte order mark. Raises InputError."""
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+        return path.read_bytes().decode("utf-8-sig")
     except FileNotFoundError:
         raise InputError(f"{path}: no such file") from None
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: byte {error.start} is not UTF-8 text") from None
+        raise InputError(f"{path}: byte {error.start} is not text (UTF-8)") from None
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """The tables of a TOML file. Raises InputError with the line of a syntax error."""
+    try:
+        return tomllib.loads(read_text(path))
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not valid TOML: {error}") from None
 
@@ -49,15 +55,34 @@ def validated(path: Path, data: dict[str, Any], model: type[T]) -> T:
         return model.model_validate(data)
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(str(part) for part in first["loc"] if not str(part).startswith("function-"))
+        where = ".".join(_place(first["loc"], data, first["type"] == "missing"))
         more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
         raise InputError(f"{path}: {where + ': ' if where else ''}{_sentence(first)}{more}") from None
 
 
+def _place(loc: tuple[str | int, ...], data: Any, missing: bool) -> list[str]:
+    """The keys that lead to an error; pydantic's names of variants, which are no keys of the file, are left out."""
+    kept = []
+    for part in loc:
+        if isinstance(data, dict) and part not in data and not (missing and part == loc[-1]):
+            continue
+        kept.append(str(part))
+        data = data.get(part) if isinstance(data, dict) else data[part] if isinstance(part, int) else None
+    return kept
+
+
 def _sentence(error: Any) -> str:
-    message = str(error["msg"]).removeprefix("Value error, ")
-    if error["type"] == "missing":
+    kind, message = error["type"], str(error["msg"]).removeprefix("Value error, ")
+    if kind == "missing":
         return "this key is missing"
-    if error["type"] == "value_error":
+    if kind == "value_error":
         return message
-    return f"{message[0].lower()}{message[1:]}, not {error['input']!r}"
+    if kind == "union_tag_not_found":
+        near = difflib.get_close_matches("type", error["input"], n=1) if isinstance(error["input"], dict) else []
+        return f"the key 'type' is missing{f'; is {near[0]!r} meant for it?' if near else ''}"
+    if kind == "union_tag_invalid":
+        return f"type: {error['ctx']['tag']!r} is not known; there are {error['ctx']['expected_tags']}"
+    if kind in ("model_type", "model_attributes_type"):
+        message = "must be a table"
+    shown = repr(error["input"])
+    return f"{message[0].lower()}{message[1:]}, not {shown if len(shown) <= 40 else shown[:37] + '...'}"

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..optics.conventions import power_matrix, read_only
+from ..optics.conventions import power_matrix
 from ..optics.eye import Eye, Wear, Wearer, hofstetter_amplitude, watson_yellott_pupil
 from .toml_file import Table, validated
 
@@ -75,7 +75,7 @@ def build_wearer(path: Path, data: dict[str, Any]) -> Wearer:
     t = validated(path, data, WearerTable)
     r, w = t.refraction, t.wear
     eye = Eye(
-        read_only(power_matrix(r.sphere, r.cylinder, r.axis)), r.vertex_distance, _amplitude(t), _pupil(t),
+        power_matrix(r.sphere, r.cylinder, r.axis), r.vertex_distance, _amplitude(t), _pupil(t),
         t.eye.centre_of_rotation, t.eye.entrance_pupil,
     )  # fmt: skip
     angles = float(np.radians(w.pantoscopic_angle)), float(np.radians(w.face_form_angle))

@@ -14,6 +14,7 @@ cylinders with 0 < axis <= 180 degrees. Myopia is a negative refraction.
 Frame across a ray: the world x and y carried by the minimal (Listing) rotation of +z onto the ray.
 """
 
+from dataclasses import fields
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -57,9 +58,12 @@ def listing_frame(direction: ArrayLike) -> Floats:
 
 
 def unit(vectors: ArrayLike) -> Floats:
-    """The vectors (..., 3) scaled to length 1."""
+    """The vectors (..., 3) scaled to length 1. Raises ValueError for a vector of length zero."""
     v = np.asarray(vectors, dtype=float)
-    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+    length = np.linalg.norm(v, axis=-1, keepdims=True)
+    if np.any(length == 0):
+        raise ValueError("a vector of length zero has no direction")
+    return v / length
 
 
 def rotation_xy(about_x: float, about_y: float) -> Floats:
@@ -121,8 +125,15 @@ def carry_vergence(vergence: ArrayLike, distance: ArrayLike) -> Floats:
     return v @ inverse_2x2(np.eye(2) - d * v)
 
 
-def read_only(array: ArrayLike) -> Floats:
-    """A float64 array that nobody can write to."""
-    out = np.array(array, dtype=float)
-    out.setflags(write=False)
-    return out
+class ReadOnlyArrays:
+    """Base of the frozen types: nobody can write to their arrays through them."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):  # type: ignore[arg-type]
+            value = getattr(self, entry.name)
+            if isinstance(value, np.ndarray):
+                view = value.view()
+                view.setflags(write=False)
+                object.__setattr__(self, entry.name, view)

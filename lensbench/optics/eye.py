@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .conventions import Floats, carry_vergence, read_only, rotation_xy
+from .conventions import Floats, ReadOnlyArrays, carry_vergence, rotation_xy
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Eye:
+class Eye(ReadOnlyArrays):
     """An eye to first order, behind the cornea's apex.
 
     refraction: (2, 2) D, far prescription at `refraction_vertex_distance` mm before the cornea (myopia negative).
@@ -18,7 +18,7 @@ class Eye:
     centre_of_rotation, entrance_pupil: distances behind the corneal apex, mm.
     """
 
-    refraction: Floats = field(default_factory=lambda: read_only(np.zeros((2, 2))))
+    refraction: Floats = field(default_factory=lambda: np.zeros((2, 2)))
     refraction_vertex_distance: float = 12.0
     accommodation: float = 0.0
     pupil_diameter: float = 4.0

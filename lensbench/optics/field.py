@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .conventions import (
     Floats,
+    ReadOnlyArrays,
     SphereCylinderAxis,
     Status,
     carry_vergence,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 ACCOMMODATION_RULES = ("retina", "object", "paper")
 
-Accommodation = str | float
+Accommodation = str | float | Floats
 
 
 class Ellipse(NamedTuple):
@@ -48,7 +49,7 @@ class Prism(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class GazeField:
+class GazeField(ReadOnlyArrays):
     """Chief rays and transfer matrices of n gazes, wear frame; NaN where status is not OK.
 
     directions (n, 3): gaze, unit. entry, origin (n, 3): back-surface point and exit point, mm. direction (n, 3): into the
@@ -124,10 +125,10 @@ class GazeField:
 
         rule "retina": smallest rms blur on the retina; "object": smallest |M| in the Frobenius norm at the object;
         "paper": the sum of the signed semi-axes of the ellipse vanishes, interpolated between the relaxed and the
-        tensed eye (Kakimoto, Tatsukawa & Nishita 2010, eq. 12, circle of least confusion); a number: that many D.
+        tensed eye (Kakimoto, Tatsukawa & Nishita 2010, eq. 12, circle of least confusion); a number or array: that many D.
         """
         if not isinstance(rule, str):
-            return np.full(np.broadcast_shapes(np.shape(distance), self.status.shape), float(rule))
+            return np.broadcast_to(rule, np.broadcast_shapes(np.shape(distance), self.status.shape)).astype(float)
         limit = self.wearer.eye.accommodation
         if rule == "retina":
             gap = self.wearer.eye.pupil_refraction - self.required_vergence(distance)
@@ -230,14 +231,15 @@ class GazeField:
     def magnification(self, distance: ArrayLike = np.inf) -> Floats:
         """Angular magnification for the turning eye (..., n, 2, 2): turn of the gaze with the lens over that without.
 
-        From the frame across the outgoing ray to the gaze frame; distance s from the exit point.
+        From the Listing frame of the line from the centre of rotation to the point at s, to the gaze frame.
         """
         s = np.asarray(distance, dtype=float)
-        finite = np.isfinite(s)
-        point = self.origin + np.where(finite, s, 0.0)[..., None] * self.direction
-        reach = np.linalg.norm(point - self.wearer.centre_of_rotation, axis=-1)
-        ratio = np.where(finite, reach / np.where(finite, s, 1.0), 1.0)
-        return ratio[..., None, None] * inverse_2x2(self.gaze_derivative(distance))
+        w = np.where(np.isfinite(s), 1.0 / s, 0.0)[..., None]
+        to_point = self.direction + w * (self.origin - self.wearer.centre_of_rotation)
+        per_distance = np.linalg.norm(to_point, axis=-1, keepdims=True)
+        naked = listing_frame(to_point / per_distance)
+        across = self.frame[:, :2] @ np.swapaxes(naked[..., :2, :], -1, -2)
+        return per_distance[..., None] * inverse_2x2(self.gaze_derivative(distance)) @ across
 
     def distances_to(self, points: ArrayLike) -> Floats:
         """Distance s (n,) in mm along each outgoing ray to the foot of its own point (n, 3), wear frame."""

@@ -1,6 +1,6 @@
 """From a lens and a wearer to chief rays: pose of the worn lens, grids of gaze, and the trace itself."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,6 +12,8 @@ from .field import GazeField
 from .kernels import trace as kernel
 from .lens import Lens
 from .surfaces import Surface
+
+MOST_STEPS = 30
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,8 +33,10 @@ class GazeGrid:
 
     def axes(self) -> tuple[Floats, Floats]:
         """The grid's coordinates u (nx,) and v (ny,): tangents or angles in rad, relative to the centre."""
-        scale = np.tan if self.kind == "tangent" else float
-        half = scale(self.half_width), scale(self.half_height)
+        if self.kind not in ("tangent", "angles"):
+            raise ValueError(f"a grid of gaze is of kind 'tangent' or 'angles', not {self.kind!r}")
+        half = np.array([self.half_width, self.half_height])
+        half = np.tan(half) if self.kind == "tangent" else half
         return np.linspace(-half[0], half[0], self.nx), np.linspace(-half[1], half[1], self.ny)
 
     def directions(self) -> Floats:
@@ -117,68 +121,83 @@ def trace(lens: Lens | None, wearer: Wearer, gaze: GazeGrid | ArrayLike) -> Gaze
     """
     shape = (gaze.ny, gaze.nx) if isinstance(gaze, GazeGrid) else None
     directions = gaze.directions() if isinstance(gaze, GazeGrid) else unit(np.asarray(gaze, dtype=float).reshape(-1, 3))
-    pupil = wearer.centre_of_rotation + wearer.eye.pupil_from_rotation * directions
     if lens is None:
-        n = len(directions)
-        rays = TracedRays(pupil, pupil, directions, np.broadcast_to(np.eye(4), (n, 4, 4)), np.zeros(n, dtype=np.int8))
-        return _field(lens, wearer, directions, rays, shape)
-    rays = trace_rays(lens, wearer.wear, pupil, directions)
-    pose = worn_pose(lens, wearer.wear)
-    outside = np.zeros(len(directions), dtype=bool)
+        rays = _naked_rays(wearer, directions)
+    else:
+        rays = _within_outline(
+            lens, wearer.wear, trace_rays(lens, wearer.wear, _pupils(wearer, directions), directions)
+        )
+    return _field(lens, wearer, directions, rays, shape)
+
+
+def _pupils(wearer: Wearer, directions: Floats) -> Floats:
+    return wearer.centre_of_rotation + wearer.eye.pupil_from_rotation * directions
+
+
+def _naked_rays(wearer: Wearer, directions: Floats) -> TracedRays:
+    pupil = _pupils(wearer, directions)
+    known = np.asarray(np.isfinite(directions).all(axis=1))
+    status = np.where(known, np.int8(Status.OK), np.int8(Status.NOT_CONVERGED))
+    return TracedRays(pupil, pupil, directions, np.where(known[:, None, None], np.eye(4), np.nan), status)
+
+
+def _within_outline(lens: Lens, wear: Wear, rays: TracedRays) -> TracedRays:
+    """The rays, of which those that enter or leave beyond the lens's edge have failed."""
+    pose = worn_pose(lens, wear)
+    outside = np.zeros(len(rays.status), dtype=bool)
     for points in (pose.to_lens(rays.entry), pose.to_lens(rays.exit)):
         outside |= ~lens.outline.contains(points[:, 0], points[:, 1])
     status = np.where((rays.status == Status.OK) & outside, np.int8(Status.OUTSIDE_OUTLINE), rays.status)
     for array in (rays.entry, rays.exit, rays.direction, rays.transfer):
         array[status != Status.OK] = np.nan
-    return _field(lens, wearer, directions, rays._replace(status=status), shape)
+    return rays._replace(status=status)
 
 
 def _field(
-    lens: Lens | None, wearer: Wearer, directions: Floats, rays: TracedRays, shape: tuple[int, int] | None
+    lens: Lens | None, wearer: Wearer, directions: Floats, rays: TracedRays, shape: tuple[int, int] | None = None
 ) -> GazeField:
-    arrays = (directions, rays.entry, rays.exit, rays.direction, rays.transfer, rays.status)
-    for array in arrays:
-        array.setflags(write=False)
-    return GazeField(lens, wearer, *arrays, shape or (len(directions),))
+    arrays = (rays.entry, rays.exit, rays.direction, rays.transfer, rays.status)
+    return GazeField(lens, wearer, directions, *arrays, shape or (len(directions),))
 
 
 def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline: bool = True) -> GazeField:
     """The gaze field of those gazes whose chief rays meet the points (n, 3), mm, wear frame.
 
-    Newton's method with the field's own derivative. A point behind the front surface, or one that no traced gaze meets
-    to 1e-9 of its distance, has status NOT_CONVERGED. within_outline=False lets rays pass beyond the lens's edge, as far
+    Newton's method with the field's own derivative; a gaze whose ray fails turns half-way back to the last one that
+    passed. A point that no gaze meets to 1e-9 of its distance has the status of its first failing ray, or NOT_CONVERGED,
+    as has a point behind the front surface or the eye. within_outline=False lets rays pass beyond the lens's edge, as far
     as its surfaces go.
     """
-    target = np.asarray(points, dtype=float).reshape(-1, 3)
-    reach = np.linalg.norm(target - wearer.centre_of_rotation, axis=1)
-    gaze = unit(target - wearer.centre_of_rotation)
-    if lens is None:
-        return trace(None, wearer, gaze)
-    lever = wearer.eye.pupil_from_rotation
-    for _ in range(12):
-        rays = trace_rays(lens, wearer.wear, wearer.centre_of_rotation + lever * gaze, gaze)
-        miss, step = _newton_step(rays, target, lever)
-        if not np.any(miss > 1e-11 * reach):
+    line = np.asarray(points, dtype=float).reshape(-1, 3) - wearer.centre_of_rotation
+    reach, behind = np.linalg.norm(line, axis=1), line[:, 2] <= 0
+    line[behind] = [0.0, 0.0, 1.0]
+    target, gaze = wearer.centre_of_rotation + line, unit(line)
+    passed, reason = np.broadcast_to([0.0, 0.0, 1.0], gaze.shape), np.zeros(len(gaze), dtype=np.int8)
+    for _ in range(MOST_STEPS):
+        rays = _naked_rays(wearer, gaze) if lens is None else trace_rays(lens, wearer.wear, _pupils(wearer, gaze), gaze)
+        ok = rays.status == Status.OK
+        reason = np.where(reason == Status.OK, rays.status, reason)
+        miss, step = _newton_step(rays, target, wearer.eye.pupil_from_rotation)
+        if not np.any(~ok | (miss > 1e-11 * reach)):
             break
-        gaze = _turned(gaze, step)
-    field = trace(lens, wearer, gaze) if within_outline else _field(lens, wearer, gaze, rays, None)
-    lost = ~(miss <= 1e-9 * reach) | ~(field.distances_to(target) > -1e-6)
-    return field.with_status(lost & (field.status == Status.OK), Status.NOT_CONVERGED)
+        passed = np.where(ok[:, None], gaze, passed)
+        gaze = np.where(ok[:, None], _turned(gaze, step), unit(gaze + passed))
+    if lens is not None and within_outline:
+        rays = _within_outline(lens, wearer.wear, rays)
+    field = _field(lens, wearer, gaze, rays)
+    lost = behind | ~(miss <= 1e-9 * reach) | ~(field.distances_to(target) > -1e-6)
+    field = field.with_status(lost & (field.status == Status.OK), Status.NOT_CONVERGED)
+    return replace(field, status=np.where(lost & (reason != Status.OK), reason, field.status))
 
 
 def _newton_step(rays: TracedRays, target: Floats, lever: float) -> tuple[Floats, Floats]:
-    """Distance (n,) by which each chief ray misses its target, mm, and the turn (n, 2) of the gaze that mends it, rad.
-
-    A ray that failed stays where it is.
-    """
+    """Distance (n,) by which each chief ray misses its target, mm, and the turn (n, 2) of the gaze that mends it, rad."""
     frame = listing_frame(rays.direction)
     local = np.einsum("nij,nj->ni", frame, target - rays.exit)
     t = rays.transfer
-    turn_to_offset = (
-        t[:, :2, :2] * lever + t[:, :2, 2:] + local[:, 2, None, None] * (t[:, 2:, :2] * lever + t[:, 2:, 2:])
-    )
+    per_distance = t[:, 2:, :2] * lever + t[:, 2:, 2:]
+    turn_to_offset = t[:, :2, :2] * lever + t[:, :2, 2:] + local[:, 2, None, None] * per_distance
     step = np.einsum("nij,nj->ni", inverse_2x2(turn_to_offset), local[:, :2])
-    step = np.where(np.isfinite(step), step, 0.0)
     size = np.linalg.norm(step, axis=1, keepdims=True)
     return np.linalg.norm(local[:, :2], axis=1), step * np.minimum(1.0, 0.2 / np.maximum(size, 1e-300))
 

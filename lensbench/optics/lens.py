@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .conventions import Floats, power_matrix, read_only
+from .conventions import Floats, ReadOnlyArrays, power_matrix
 from .materials import Material
 from .surfaces import Surface
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Outline:
+class Outline(ReadOnlyArrays):
     """Edge of the lens in the lens frame, seen along z: a star-shaped curve about its centre.
 
     centre: (x, y) mm. angles (k,): rising, rad in [0, 2 pi). radii (k,): mm, linear between the angles.
@@ -31,9 +31,9 @@ class Outline:
         dx, dy = np.asarray(x) - self.centre[0], np.asarray(y) - self.centre[1]
         return np.hypot(dx, dy) <= self.radius(np.arctan2(dy, dx))
 
-    def points(self, count: int = 720) -> tuple[Floats, Floats]:
-        """x, y (count,) of points along the edge, mm, counter-clockwise from +x."""
-        angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    def points(self, count: int | None = None) -> tuple[Floats, Floats]:
+        """x, y of points along the edge, mm, counter-clockwise from +x: `count` of equal angles, or all that define it."""
+        angle = self.angles if count is None else np.linspace(0, 2 * np.pi, count, endpoint=False)
         r = self.radius(angle)
         return self.centre[0] + r * np.cos(angle), self.centre[1] + r * np.sin(angle)
 
@@ -50,7 +50,7 @@ _ANGLES = np.linspace(0, 2 * np.pi, 1440, endpoint=False)
 def ellipse_outline(width: float, height: float, centre: tuple[float, float] = (0.0, 0.0)) -> Outline:
     """Ellipse of full width and height, mm."""
     r = 0.5 / np.hypot(np.cos(_ANGLES) / width, np.sin(_ANGLES) / height)
-    return Outline(centre, read_only(_ANGLES), read_only(r))
+    return Outline(centre, _ANGLES, r)
 
 
 def circle_outline(diameter: float, centre: tuple[float, float] = (0.0, 0.0)) -> Outline:
@@ -84,7 +84,7 @@ def polygon_outline(points: ArrayLike, centre: tuple[float, float] | None = None
     segment = np.searchsorted(turn, (angle - corner[0]) % (2 * np.pi) + corner[0], side="right") - 1
     segment = np.clip(segment, 0, len(start) - 1)
     radius = reach[segment] / (np.cos(angle) * side[segment, 1] - np.sin(angle) * side[segment, 0])
-    return Outline(c, read_only(angle), read_only(radius))
+    return Outline(c, angle, radius)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,7 +160,7 @@ class Lens:
         return self.front_height(x, y) - self.back_height(x, y)
 
     def minimum_edge_thickness(self) -> EdgeThickness:
-        """Where the edge is thinnest, over 720 points of the outline."""
+        """Where the edge is thinnest, over the points that define the outline."""
         x, y = self.outline.points()
         t = self.thickness(x, y)
         k = int(np.argmin(np.where(np.isnan(t), np.inf, t)))

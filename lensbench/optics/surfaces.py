@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, RectBivariateSpline
 
-from .conventions import Floats, read_only, rotation_xy
+from .conventions import Floats, ReadOnlyArrays, rotation_xy
 from .kernels import surface as kernel
 
-_NO_BREAKS = read_only([0.0, 0.0])
-_NO_CELLS = read_only(np.zeros((1, 1, 6, 6)))
+_NO_BREAKS = np.zeros(2)
+_NO_CELLS = np.zeros((1, 1, 6, 6))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
+class Surface(ReadOnlyArrays):
     """One refracting surface and its pose in the lens.
 
     kind and the arrays p, breaks_x, breaks_y, cells: see optics.kernels.surface.
@@ -111,7 +111,7 @@ def conic(curvature: float, conic_constant: float = 0.0, asphere: ArrayLike = ()
     terms = np.atleast_1d(np.asarray(asphere, dtype=float))
     if terms.size > 6:
         raise ValueError(f"at most 6 asphere terms (a4 to a14), not {terms.size}")
-    return Surface(kernel.CONIC, read_only([curvature, conic_constant, *terms, *[0.0] * (6 - terms.size)]), **pose)
+    return Surface(kernel.CONIC, np.array([curvature, conic_constant, *terms, *[0.0] * (6 - terms.size)]), **pose)
 
 
 def sphere(radius: float, **pose: Any) -> Surface:
@@ -144,7 +144,7 @@ def _two_meridians(along: float, across: float, axis: float, *conics: float) -> 
     p = np.zeros(8)
     angle = np.radians(axis)
     p[: 4 + len(conics)] = along, across, np.cos(angle), np.sin(angle), *conics
-    return read_only(p)
+    return p
 
 
 def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, degree: int, **pose: Any) -> Surface:
@@ -162,7 +162,7 @@ def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, deg
     shape = Surface(kernel.SPLINE, p, breaks_x, breaks_y, cells)
     _, _, _, fxx, _, fyy = shape.derivatives((breaks_x[0] + breaks_x[-1]) / 2, (breaks_y[0] + breaks_y[-1]) / 2)
     p[0] = -(fxx + fyy) / 2
-    return Surface(kernel.SPLINE, read_only(p), read_only(breaks_x), read_only(breaks_y), read_only(cells), **pose)
+    return Surface(kernel.SPLINE, p, breaks_x, breaks_y, cells, **pose)
 
 
 def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, Floats]:
@@ -177,7 +177,7 @@ def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, Floats]:
 
 
 def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float, **pose: Any) -> Surface:
-    """Smoothing quintic B-spline through a grid of sags whose last digit was rounded.
+    """Smoothing quintic B-spline through a grid of sags whose last digit was rounded, counted from its sag at (0, 0).
 
     x (nx,), y (ny,): rising, mm; sag (ny, nx): mm, +z to the scene; rounding_step q: mm. The sum of squared residuals is
     allowed to be that of the rounding, N q^2 / 12. Source: Dierckx 1993, ch. 5.
@@ -185,7 +185,7 @@ def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float
     gx, gy, z = (np.asarray(a, dtype=float) for a in (x, y, sag))
     fit = RectBivariateSpline(gy, gx, z, kx=5, ky=5, s=z.size * rounding_step**2 / 12)
     ty, tx, c = fit.tck
-    return bspline(tx, ty, c.reshape(ty.size - 6, tx.size - 6), 5, **pose)
+    return bspline(tx, ty, (c - fit(0.0, 0.0)).reshape(ty.size - 6, tx.size - 6), 5, **pose)
 
 
 def power_noise(rounding_step: float, pitch: float, index: float) -> float:

@@ -24,7 +24,7 @@ from ..layers import (
     Request,
     ViewLayer,
 )
-from ..optics.conventions import VERSION, Status
+from ..optics.conventions import VERSION, Status, power_matrix
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..output import to_json, write_file
@@ -217,7 +217,8 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         looks=LOOKS,
         inf=math.inf,
         prescription=prescription_text,
-        failed={name: _failed(m) for name, m in findings.maps.items() if _failed(m)},
+        power_matrix=power_matrix,
+        failed=_failed(findings.maps["mean_power"]),
         today=date.today().isoformat(),
         version=__version__,
         conventions=VERSION,

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..formats.point_grid import PointGrid
-from ..optics.conventions import Floats, sphere_cylinder_axis
+from ..optics.conventions import Floats, mean_power, sphere_cylinder_axis
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 
@@ -18,15 +18,12 @@ class Fact(NamedTuple):
     value: object
 
 
-def prescription_text(sphere: float, cylinder: float, axis: float) -> str:
-    """Sphere / cylinder x axis as written in a prescription (D, degrees)."""
+def prescription_text(matrix: Floats) -> str:
+    """A power matrix (2, 2) in D as written in a prescription: sphere / cylinder x axis (degrees, 1 to 180)."""
+    sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(matrix))
     if abs(cylinder) < 0.005:
-        return f"{sphere:+.2f}"
-    return f"{sphere:+.2f} / {cylinder:+.2f} x {axis:.0f}"
-
-
-def _power_text(matrix: Floats) -> str:
-    return prescription_text(*(float(v) for v in sphere_cylinder_axis(matrix))) + " D"
+        return f"{round(sphere, 2) + 0.0:+.2f}"
+    return f"{round(sphere, 2) + 0.0:+.2f} / {cylinder:+.2f} x {round(axis) or 180}"
 
 
 def file_facts(found: Lens | Wearer | PointGrid) -> list[Fact]:
@@ -59,8 +56,7 @@ def lens_facts(lens: Lens) -> list[Fact]:
             f"{m.name}: n_{lens.wavelength} = {lens.index:g}, Abbe number {m.abbe:g}, {m.density:g} g/cm³",
             {"name": m.name, "n_d": m.n_d, "n_e": m.n_e, "abbe": m.abbe, "density_g_cm3": m.density},
         ),
-        Fact("Front surface", lens.front.describe(), lens.front.describe()),
-        Fact("Back surface", lens.back.describe(), lens.back.describe()),
+        *_surface_facts(lens),
         Fact("Centre thickness", f"{lens.centre_thickness:.2f} mm", lens.centre_thickness),
         Fact(
             "Minimum edge thickness",
@@ -78,25 +74,40 @@ def lens_facts(lens: Lens) -> list[Fact]:
         facts.append(
             Fact(
                 "Ordered power",
-                prescription_text(o.sphere, o.cylinder, o.axis) + " D" + addition + prism,
+                prescription_text(o.power()) + " D" + addition + prism,
                 {name: getattr(o, name) for name in ("sphere", "cylinder", "axis", "addition", "prism", "prism_base")},
             )
         )
     return facts
 
 
+def _surface_facts(lens: Lens) -> list[Fact]:
+    """Both surfaces in words, and their mean surface power (D) at the distance reference point or, without one, at (0, 0)."""
+    x, y = lens.points.distance_reference_point or (0.0, 0.0)
+    facts = []
+    for name, surface, sign in (("Front surface", lens.front, 1.0), ("Back surface", lens.back, -1.0)):
+        u, v = x - surface.decentration[0], y - surface.decentration[1]
+        power = sign * float(mean_power(surface.surface_power(u, v, lens.index)))
+        text = f"{surface.describe()}; surface power {power:+.2f} D at x = {x:g}, y = {y:g} mm"
+        facts.append(Fact(name, text, {"described": surface.describe(), "mean_surface_power_D": power}))
+    return facts
+
+
 def wearer_facts(wearer: Wearer) -> list[Fact]:
     """The wearer: refraction and accommodation (D), pupil and distances (mm), angles (degrees)."""
     eye, wear = wearer.eye, wearer.wear
-    refraction = _power_text(eye.refraction)
     panto, face = float(np.degrees(wear.pantoscopic_angle)), float(np.degrees(wear.face_form_angle))
     facts = [Fact("Name", wearer.name, wearer.name)]
     if wearer.age is not None:
         facts.append(Fact("Age", f"{wearer.age:g} years", wearer.age))
     return [
         *facts,
-        Fact("Refraction", f"{refraction}, {eye.refraction_vertex_distance:g} mm before the cornea", refraction),
-        Fact("Refraction at the pupil", _power_text(eye.pupil_refraction), eye.pupil_refraction),
+        Fact(
+            "Refraction",
+            f"{prescription_text(eye.refraction)} D, {eye.refraction_vertex_distance:g} mm before the cornea",
+            eye.refraction,
+        ),
+        Fact("Refraction at the pupil", prescription_text(eye.pupil_refraction) + " D", eye.pupil_refraction),
         Fact("Amplitude of accommodation", f"{eye.accommodation:.2f} D", eye.accommodation),
         Fact("Pupil diameter", f"{eye.pupil_diameter:.2f} mm", eye.pupil_diameter),
         Fact("Vertex distance", f"{wear.vertex_distance:g} mm", wear.vertex_distance),
@@ -104,5 +115,7 @@ def wearer_facts(wearer: Wearer) -> list[Fact]:
         Fact("Face-form angle", f"{face:.1f}°", face),
         Fact("Centre of rotation", f"{eye.centre_of_rotation:g} mm behind the cornea", eye.centre_of_rotation),
         Fact("Entrance pupil", f"{eye.entrance_pupil:g} mm behind the cornea", eye.entrance_pupil),
+        Fact("Decentration", "{:g}, {:g} mm".format(*wear.decentration), wear.decentration),
+        Fact("Monocular pupillary distance", f"{wear.pupillary_distance:g} mm", wear.pupillary_distance),
         Fact("Near distance", f"{wear.near_distance:g} mm from the cornea", wear.near_distance),
     ]

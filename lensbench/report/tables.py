@@ -3,11 +3,12 @@
 import csv
 import io
 import math
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
 
-from ..layers import EllipseSheet, LensMap
+from ..layers import EllipseSheet, LensMap, VoxelField
 from ..optics.conventions import Status
 
 
@@ -18,6 +19,11 @@ def distance_text(distance: float | str) -> str:
     if math.isinf(distance):
         return "objects at infinity"
     return f"objects at {distance / 1000:g} m" if distance >= 1000 else f"objects at {distance / 10:g} cm"
+
+
+def map_numbers(lens_map: LensMap) -> dict[str, Any]:
+    """Quantity, unit, coordinates (mm), values and status of a map, ready for JSON."""
+    return {f.name: getattr(lens_map, f.name) for f in fields(lens_map)}
 
 
 def map_csv(lens_map: LensMap) -> str:
@@ -58,3 +64,10 @@ def ellipses_csv(sheets: tuple[EllipseSheet, ...]) -> str:
     writer.writeheader()
     writer.writerows({k: f"{v:.6g}" if isinstance(v, float) else v for k, v in row.items()} for row in rows)
     return out.getvalue()
+
+
+def voxels_npz(voxels: VoxelField) -> bytes:
+    """The blur field as a compressed .npz: blur, u, v, depth, status as in VoxelField."""
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **{f.name: getattr(voxels, f.name) for f in fields(voxels)})
+    return buffer.getvalue()

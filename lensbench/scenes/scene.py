@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..optics.conventions import Floats, unit
+from ..optics.conventions import Floats, ReadOnlyArrays, unit
 
 FINEST = float(np.radians(1.05))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class Part(ReadOnlyArrays):
     """One object. points (n, 3): mm, wear frame. triangles (m, 3): int. uv (n, 2): (0, 0) is the image's lower left corner.
 
     image (h, w, 3): uint8 sRGB, first row at the top.

@@ -296,7 +296,7 @@ def _lens_masks(seen: SeenScene) -> tuple[Light, Light]:
     fine = max(1, min(4, 8192 // max(width, height)))
     glass = rim = None
     for curve in seen.rims:
-        inside, edge = _curve_masks(curve[np.isfinite(curve).all(axis=1)], seen, fine)
+        inside, edge = _curve_masks(curve, seen, fine)
         if glass is None:
             glass, rim = inside, edge
         else:
@@ -312,6 +312,8 @@ def _curve_masks(curve: Floats, seen: SeenScene, fine: int) -> tuple[Image.Image
     path = np.array([fine * width / 2, fine * height / 2]) - per_tangent * curve
     closed = [tuple(p) for p in np.clip(np.vstack([path, path[:1]]), -1e5, 1e5)]
     inside, edge = (Image.new("L", (fine * width, fine * height)) for _ in range(2))
+    if len(closed) < 3:
+        return inside, edge
     ImageDraw.Draw(inside).polygon(closed, 255)
     ImageDraw.Draw(edge).line(closed, 255, max(fine, round(_RIM_WIDTH * per_tangent)), "curve")
     return inside, edge

@@ -94,6 +94,7 @@ def _lens_axes(lens: Lens) -> tuple[Figure, Axes]:
 
 
 def calm(axes: Axes) -> None:
+    """Pale grid and frame, so that the data speak."""
     axes.set_axisbelow(True)
     axes.grid(color="#e4e7ea", linewidth=0.6)
     axes.tick_params(colors=QUIET, labelsize=9)
@@ -107,7 +108,7 @@ def titles(figure: Figure, left: float, title: str, *about: str) -> None:
     line = "  ·  ".join(words for words in about if words)
     size = min(10.0, 130 * (1 - left) * width / max(len(line), 1))
     figure.text(left, 1 - 0.38 / height, title, size=14, weight="bold", color=INK)
-    figure.text(left, 1 - 0.62 / height, line, size=size, color=QUIET)
+    figure.text(left, 1 - 0.62 / height, line, size=size, color=QUIET, parse_math=False)
 
 
 def _draw_bands(axes: Axes, lens: Lens, lens_map: LensMap, bands: Bands) -> None:
@@ -270,7 +271,17 @@ def section_figure(lens: Lens) -> Figure:
         f"mass  {lens.weight():.1f} g",
         f"material  {lens.material.name}, index {lens.index:.3f} ({lens.wavelength} line)",
     )
-    flat.text(0, -0.4, "\n".join(facts), transform=flat.transAxes, va="top", size=10, linespacing=1.7, color=INK)
+    flat.text(
+        0,
+        -0.4,
+        "\n".join(facts),
+        transform=flat.transAxes,
+        va="top",
+        size=10,
+        linespacing=1.7,
+        color=INK,
+        parse_math=False,
+    )
     return figure
 
 

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from lensbench.optics import surfaces
-from lensbench.optics.conventions import power_matrix, read_only
+from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wear, Wearer
 from lensbench.optics.gaze import direction_from_angles, trace
 
@@ -93,7 +93,7 @@ def test_plate_seen_obliquely(lens_of, angle, thickness, distance):
 
 
 def naked_blur(refraction, amplitude, distance, **accommodation):
-    eye = Eye(read_only(refraction * np.eye(2)), refraction_vertex_distance=-3.05, accommodation=amplitude)
+    eye = Eye(refraction * np.eye(2), refraction_vertex_distance=-3.05, accommodation=amplitude)
     field = trace(None, Wearer(eye), [direction_from_angles(0.3, -0.2)])
     blur = field.angular_blur(distance, **accommodation)[0]
     assert blur == pytest.approx(blur[0, 0] * np.eye(2), abs=1e-15)
@@ -192,5 +192,5 @@ def test_an_ideal_lens_leaves_no_power_error_on_axis(lens_of):
     far_points = 1000 / np.array([-6.0, -8.0]) + 15 - 12
     along, across = 1000 / far_points
     lens = lens_of(surfaces.toric(curvature(along, n), curvature(across, n), 30.0), surfaces.plane(), 1e-9)
-    wearer = Wearer(Eye(read_only(refraction)), Wear(15.0))
+    wearer = Wearer(Eye(refraction), Wear(15.0))
     assert trace(lens, wearer, AHEAD).power_error()[0] == pytest.approx(np.zeros((2, 2)), abs=1e-9)

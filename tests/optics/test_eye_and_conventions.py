@@ -14,7 +14,6 @@ from lensbench.optics.conventions import (
     mean_power,
     power_matrix,
     power_vector,
-    read_only,
     rotation_xy,
     sphere_cylinder_axis,
     unit,
@@ -49,7 +48,7 @@ def test_one_eye_sees_a_tenth_of_the_flux():
 @given(st.floats(-15, 10), st.floats(0, 20), st.floats(0, 20))
 def test_prescription_keeps_the_far_point(sphere, refracted_at, worn_at):
     """The far point stays where it is: 1000 / F counts from the plane of the prescription, positive towards the eye."""
-    eye = Eye(read_only(sphere * np.eye(2)), refraction_vertex_distance=refracted_at)
+    eye = Eye(sphere * np.eye(2), refraction_vertex_distance=refracted_at)
     expected = 0.0 if sphere == 0 else 1 / (1 / sphere + (worn_at - refracted_at) / 1000)
     assert Wearer(eye, Wear(worn_at)).prescription == pytest.approx(expected * np.eye(2), abs=1e-11)
     at_pupil = 0.0 if sphere == 0 else 1 / (1 / sphere - (refracted_at + 3.05) / 1000)
@@ -57,7 +56,7 @@ def test_prescription_keeps_the_far_point(sphere, refracted_at, worn_at):
 
 
 def test_ten_dioptres_of_myopia_at_the_cornea():
-    assert Eye(read_only(-10 * np.eye(2))).refraction_at(0.0)[0, 0] == pytest.approx(-10 / 1.12)
+    assert Eye(-10 * np.eye(2)).refraction_at(0.0)[0, 0] == pytest.approx(-10 / 1.12)
 
 
 @given(powers, cylinders, axes, st.floats(-30, 15))

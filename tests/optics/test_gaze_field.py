@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from lensbench.optics import surfaces
-from lensbench.optics.conventions import Status, power_matrix, read_only, sphere_cylinder_axis
+from lensbench.optics.conventions import Status, listing_frame, power_matrix, sphere_cylinder_axis
 from lensbench.optics.eye import Eye, Wear, Wearer
 from lensbench.optics.field import ACCOMMODATION_RULES, ellipse
 from lensbench.optics.gaze import GazeGrid, look_at, look_through, trace, worn_pose
 from lensbench.optics.lens import circle_outline, polygon_outline
 
 DISTANCE = 400.0
-STRONG = Eye(read_only(power_matrix(1.0, -2.5, 60.0)), accommodation=6.0)
+STRONG = Eye(power_matrix(1.0, -2.5, 60.0), accommodation=6.0)
 
 
 @pytest.fixture(scope="module")
@@ -161,8 +161,8 @@ def test_rules_agree_without_astigmatism(lens_of):
 @pytest.mark.parametrize("rule", ACCOMMODATION_RULES)
 def test_accommodation_stays_within_its_limits(field, rule):
     amplitude = 1.0
-    far_sighted = field.with_eye(Eye(read_only(15.0 * np.eye(2)), accommodation=amplitude))
-    near_sighted = field.with_eye(Eye(read_only(-15.0 * np.eye(2)), accommodation=amplitude))
+    far_sighted = field.with_eye(Eye(15.0 * np.eye(2), accommodation=amplitude))
+    near_sighted = field.with_eye(Eye(-15.0 * np.eye(2), accommodation=amplitude))
     assert far_sighted.accommodation(DISTANCE, rule) == pytest.approx(np.full(41, amplitude), abs=0)
     assert near_sighted.accommodation(DISTANCE, rule) == pytest.approx(np.zeros(41), abs=0)
 
@@ -259,7 +259,7 @@ def turned_lens(lens_of, degrees):
 def test_turning_everything_about_the_line_of_sight(lens_of, gazes, degrees):
     turn, fields = turn_z(degrees), []
     for angle in (0.0, degrees):
-        eye = Eye(read_only(power_matrix(-2.0, -1.5, 25.0 + angle)), accommodation=1.0)
+        eye = Eye(power_matrix(-2.0, -1.5, 25.0 + angle), accommodation=1.0)
         wear = Wear(decentration=tuple(turn_z(angle) @ [1.5, -2.5]))
         gaze = np.column_stack([gazes[:, :2] @ turn_z(angle).T, gazes[:, 2]])
         fields.append(trace(turned_lens(lens_of, angle), Wearer(eye, wear), gaze))
@@ -281,7 +281,7 @@ def test_mirrored_lens_of_the_other_eye(lens_of, gazes, spline_arrays):
         back = surfaces.toric(0.008, 0.014, 90 + 40 * sign, decentration=(0.4 * sign, 0.3))
         lens = lens_of(front, back, side=side, outline=circle_outline(50.0, (2.0 * sign, 1.0)))
         wear = Wear(13.0, 0.15, 0.09, (1.5 * sign, -2.5))
-        eye = Eye(read_only(power_matrix(-1.0, -1.5, 90 + 65 * sign)), accommodation=2.0)
+        eye = Eye(power_matrix(-1.0, -1.5, 90 + 65 * sign), accommodation=2.0)
         fields.append(trace(lens, Wearer(eye, wear), gazes * [sign, 1, 1]))
     right, left = fields
     assert np.array_equal(right.status, left.status)
@@ -298,3 +298,23 @@ def test_arrays_are_read_only(field):
     for array in (field.directions, field.entry, field.origin, field.direction, field.transfer, field.status):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
+    failed = field.with_status(np.arange(len(field.status)) == 0, Status.NOT_CONVERGED)
+    for array in (failed.transfer, Eye(np.zeros((2, 2))).refraction, surfaces.sphere(90.0).p):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
+@pytest.mark.parametrize("distance", [300.0, np.inf])
+def test_magnification_turns_the_naked_line_into_the_gaze(worn, distance):
+    """By finite differences: points turned about the centre of rotation, and the gazes that meet them."""
+    lens, wearer, _ = worn
+    gaze = np.array([[0.2, -0.3, 1.0]])
+    here = trace(lens, wearer, gaze)
+    reach, h = min(distance, 1e9), 1e-5
+    centre = wearer.centre_of_rotation
+    line = here.origin + reach * here.direction - centre
+    length, naked = np.linalg.norm(line), listing_frame(line / np.linalg.norm(line))[0]
+    for k in range(2):
+        turned = [look_at(lens, wearer, centre + line + sign * h * length * naked[k]).directions for sign in (1, -1)]
+        seen = here.gaze_frame[0, :2] @ (turned[0] - turned[1])[0] / (2 * h)
+        assert here.magnification(distance)[0, :, k] == pytest.approx(seen, abs=1e-6)
