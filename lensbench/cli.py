@@ -36,6 +36,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return error.exit_code
     except BrokenPipeError:
         return 1
+    except KeyboardInterrupt:
+        print("lensbench: stopped", file=sys.stderr)
+        return 130
     return 0
 
 
@@ -116,7 +119,7 @@ def _add_doctor(verbs: Any) -> None:
 
 
 def _verb(verbs: Any, name: str, run: Any, summary: str) -> argparse.ArgumentParser:
-    verb: argparse.ArgumentParser = verbs.add_parser(name, help=summary, description=summary)
+    verb: argparse.ArgumentParser = verbs.add_parser(name, help=summary, description=summary, allow_abbrev=False)
     verb.set_defaults(run=run)
     return verb
 
@@ -142,9 +145,12 @@ def distance(text: str) -> float:
     if text.lower() in ("inf", "infinity"):
         return math.inf
     match = re.fullmatch(r"([0-9]*\.?[0-9]+)\s*(mm|cm|m)", text.strip())
-    if match is None or float(match[1]) <= 0:
+    if match is None:
         raise argparse.ArgumentTypeError(f"{text!r} is no distance; write it with its unit: 40cm, 0.4m, 400mm, or inf")
-    return float(match[1]) * UNITS_IN_MM[match[2]]
+    value = float(match[1]) * UNITS_IN_MM[match[2]]
+    if not 10 <= value <= 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no object distance; it must be 1cm to 1000km, or inf")
+    return value
 
 
 def depth(text: str) -> float:
@@ -156,9 +162,9 @@ def depth(text: str) -> float:
 
 
 def count(text: str) -> int:
-    """A whole number from 1 to 4096."""
-    if not text.isdecimal() or not 1 <= int(text) <= 4096:
-        raise argparse.ArgumentTypeError(f"{text!r} is no count; write a whole number from 1 to 4096")
+    """A whole number from 1 to 512."""
+    if not text.isdecimal() or not 1 <= int(text) <= 512:
+        raise argparse.ArgumentTypeError(f"{text!r} is no count; write a whole number from 1 to 512")
     return int(text)
 
 
@@ -250,7 +256,7 @@ def write_map(args: argparse.Namespace) -> None:
     from .report.tables import map_csv, map_numbers
     from .workbench import run
 
-    kind = _kind(args.output, ".png", ".svg", ".csv", ".json")
+    kind = _kind(args.output, *([".png"] if args.on_lens else [".png", ".svg", ".csv", ".json"]))
     lens, wearer = _load(args)
     scene = _room() if args.distance == "scene" else None
     layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))

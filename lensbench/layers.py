@@ -34,7 +34,7 @@ class ProfileLayer:
 
 @dataclass(frozen=True, slots=True)
 class PointsLayer:
-    """As-worn power at the reference points. The near reference point is read at the wearer's near distance."""
+    """As-worn power at the reference points. The near reference point is read at the wearer's near distance from the cornea."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,7 +126,8 @@ class Profile(ReadOnlyArrays):
 class PointReading:
     """As-worn reading at a reference point. Lens point mm, gaze degrees, powers D, prism cm/m, axis and base degrees.
 
-    mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D.
+    mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D; prism_error:
+    magnitude of the difference to the ordered prism, cm/m; each None where nothing is ordered.
     """
 
     name: str
@@ -144,6 +145,7 @@ class PointReading:
     prism_base: float
     mean_error: float | None
     astigmatic_error: float | None
+    prism_error: float | None
     status: str
 
 

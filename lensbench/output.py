@@ -13,6 +13,13 @@ UMASK = os.umask(0o077)
 os.umask(UMASK)
 
 
+def require_folder(folder: Path) -> None:
+    """Raise InputError now if files could not be written into the folder later."""
+    there = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        raise InputError(f"{folder}: cannot be written: {there} is not a folder that you may write to")
+
+
 def write_file(path: Path, content: bytes | str) -> None:
     """Write the file whole or not at all. Raises InputError when its folder cannot be written."""
     data = content.encode() if isinstance(content, str) else content

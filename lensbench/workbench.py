@@ -59,6 +59,7 @@ def assumed_wearer(lens: Lens) -> Wearer:
     return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
 
 
+MOST_VOXELS = 50_000_000
 LOOKS = {"far": (0.0, np.inf), "intermediate": (-11.0, 760.0), "near": (-27.0, 390.0)}
 
 
@@ -108,8 +109,8 @@ QUANTITIES = {
     "accommodation": Quantity("Accommodation in use", "D", lambda f, s, a: f.accommodation(s, a)),
     "defocus": Quantity("Defocus 2|ε|", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
     "prism": Quantity("Prism", "cm/m", lambda f, s, a: f.prism().prism),
-    "prism_horizontal": Quantity("Horizontal prism", "cm/m", _prism_part(0)),
-    "prism_vertical": Quantity("Vertical prism", "cm/m", _prism_part(1)),
+    "prism_horizontal": Quantity("Horizontal prism, + base to the wearer's left", "cm/m", _prism_part(0)),
+    "prism_vertical": Quantity("Vertical prism, + base up", "cm/m", _prism_part(1)),
     "magnification": Quantity("Magnification", "x", lambda f, s, a: _area_magnification(f.magnification(s))),
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f)),
 }
@@ -240,10 +241,17 @@ def reference_readings(layer: PointsLayer, request: Request) -> tuple[PointReadi
     """As-worn readings at the reference points that the lens names, against its order."""
     lens, wear = _needed_lens(request), request.wearer.wear
     points = lens.points.named()
-    near_object = wear.near_distance - wear.vertex_distance - lens.centre_thickness
-    distances = np.array([near_object if name == "near_reference_point" else np.inf for name in points])
     field = look_through(lens, request.wearer, *np.transpose(list(points.values())))
+    near = _from_cornea(field, wear.near_distance)
+    distances = np.where([name == "near_reference_point" for name in points], near, np.inf)
     return tuple(_reading(field, k, name, float(distances[k])) for k, name in enumerate(points))
+
+
+def _from_cornea(field: GazeField, distance: float) -> Floats:
+    """Distance (n,) along each outgoing ray to the point that is `distance` mm away from the corneal apex."""
+    origin = field.origin + np.array([0.0, 0.0, field.wearer.wear.vertex_distance])
+    along = np.einsum("nj,nj->n", origin, field.direction)
+    return np.sqrt(along**2 + distance**2 - np.sum(origin**2, axis=1)) - along
 
 
 def _reading(field: GazeField, k: int, name: str, distance: float) -> PointReading:
@@ -255,6 +263,9 @@ def _reading(field: GazeField, k: int, name: str, distance: float) -> PointReadi
     sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(power))
     azimuth, elevation = (float(np.degrees(a[k])) for a in angles_from_direction(field.directions))
     mean_error, astigmatic_error = _against_order(lens, name, power)
+    prism_error = None
+    if lens.ordered is not None and name == "prism_reference_point":
+        prism_error = float(np.linalg.norm(field.prism_components()[k] - lens.ordered.prism_components()))
     return PointReading(
         name=name,
         x=x,
@@ -271,6 +282,7 @@ def _reading(field: GazeField, k: int, name: str, distance: float) -> PointReadi
         prism_base=float(prism.base[k]),
         mean_error=mean_error,
         astigmatic_error=astigmatic_error,
+        prism_error=prism_error,
         status=Status(field.status[k]).name,
     )
 
@@ -288,6 +300,7 @@ def ellipse_sheets(layer: EllipseLayer, request: Request) -> tuple[EllipseSheet,
     """Ellipses of confusion on planes straight ahead."""
     grid = GazeGrid(layer.n, layer.n, layer.half_angle, layer.half_angle)
     field = trace(request.lens, request.wearer, grid)
+    _some_ray_passes(field)
     return tuple(_sheet(field, depth, layer.accommodation) for depth in layer.depths)
 
 
@@ -311,8 +324,11 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
     """The blur field of the paper: one matrix a voxel."""
     if min(layer.nx, layer.ny, layer.nz) < 1 or not 0 < layer.near < layer.far < np.inf:
         raise InputError("voxels: counts must be positive, and 0 < near < far")
+    if layer.nx * layer.ny * layer.nz > MOST_VOXELS:
+        raise InputError(f"voxels: {layer.nx} x {layer.ny} x {layer.nz} are more than {MOST_VOXELS} (1.6 GB)")
     grid = GazeGrid(layer.nx, layer.ny, layer.half_angle, layer.half_angle)
     field = trace(request.lens, request.wearer, grid)
+    _some_ray_passes(field)
     ndc = np.linspace(0.0, 1.0, layer.nz)
     depth = layer.near * layer.far / (layer.far - ndc * (layer.far - layer.near))
     planes = request.wearer.centre_of_rotation[2] + depth[:, None]

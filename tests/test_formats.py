@@ -213,6 +213,9 @@ BAD_LENSES = {
         "toml: front.first_point:",
     ),
     "a list for a table": (LENS.replace('{ shape = "circle", diameter = 60 }', "[1, 2]"), "outline: must be a table"),
+    "text for a number": (LENS.replace("radius = 120.0", 'radius = "120"'), "front.radius"),
+    "truth for a number": (LENS.replace("radius = 120.0", "radius = true"), "front.radius"),
+    "nearly a material": (LENS.replace("CR-39", "CR39"), "did you mean 'CR-39'?"),
     "a point outside": (LENS + "[points]\nfitting_point = [100, 0]\n", "points.fitting_point"),
 }
 
@@ -277,6 +280,24 @@ def test_binary_rubbish_is_no_sdf(tmp_path):
 def test_missing_files(tmp_path):
     for name in ("none.toml", "none.sdf"):
         sentence_about(lambda name=name: load(tmp_path / name), name, "no such file")
+
+
+def test_a_grid_of_the_other_side_or_face(tmp_path):
+    write(tmp_path, sdf_text(np.zeros((9, 9)), 60, 60), "flat.sdf")
+    grid = 'type = "grid"\nfile = "flat.sdf"'
+    sphere = 'type = "sphere"\nradius = 120.0'
+    assert lb.load_lens(write(tmp_path, LENS.replace(sphere, grid)))
+    left = LENS.replace('"R"', '"L"').replace(sphere, grid)
+    sentence_about(lambda: lb.load_lens(write(tmp_path, left)), "flat.sdf", "side L")
+    on_back = LENS.replace('[back]\ntype = "sphere"\nradius = 100.0', f"[back]\n{grid}")
+    sentence_about(lambda: lb.load_lens(write(tmp_path, on_back)), "flat.sdf", "the back of a lens")
+
+
+def test_an_outline_may_repeat_its_points(tmp_path):
+    square = "[[20, 20], [-20, 20], [-20, 20], [-20, -20], [20, -20], [20, 20]]"
+    outline = f'{{ shape = "points", points = {square} }}'
+    lens = lb.load_lens(write(tmp_path, LENS.replace('{ shape = "circle", diameter = 60 }', outline)))
+    assert lens.outline.box == pytest.approx((-20, 20, -20, 20))
 
 
 def test_too_few_points(tmp_path):

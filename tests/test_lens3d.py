@@ -132,17 +132,15 @@ def coloured(picture):
 
 
 def test_ellipses_have_their_size_and_place():
-    big = maps.figure_array(
-        ellipses.ellipse_figure(None, WEARER, [a_sheet([0, -80], [0, 60], 30, 10)], 1.0, (700, 600))
-    )
+    big = maps.figure_array(ellipses.ellipse_figure(None, WEARER, [a_sheet([0, -80], [0, 60], 30, 10)], 1.0, 4.3))
     rows, columns = coloured(big)
-    figure = ellipses.ellipse_figure(None, WEARER, [a_sheet([0, -80], [0, 60], 30, 10)], 1.0, (700, 600))
+    figure = ellipses.ellipse_figure(None, WEARER, [a_sheet([0, -80], [0, 60], 30, 10)], 1.0, 4.3)
     panel = figure.axes[0]
     corner = panel.transData.transform([(3, -1), (-11, 7)])  # cm: lower left and upper right end of what is drawn
     assert columns.min() == pytest.approx(corner[0, 0], abs=2)
     assert columns.max() == pytest.approx(corner[1, 0], abs=2)
-    assert 600 - rows.max() == pytest.approx(corner[0, 1], abs=2)
-    assert 600 - rows.min() == pytest.approx(corner[1, 1], abs=2)
+    assert len(big) - rows.max() == pytest.approx(corner[0, 1], abs=2)
+    assert len(big) - rows.min() == pytest.approx(corner[1, 1], abs=2)
     assert corner[0, 0] < corner[1, 0]
 
 

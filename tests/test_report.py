@@ -7,6 +7,7 @@ import re
 from dataclasses import asdict, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -79,6 +80,36 @@ def test_every_number_has_a_unit(folder):
     numeric = {k for row in rows for k, v in row.items() if isinstance(v, float | list)} - {"status"}
     assert numeric <= set(found["units"])
     assert all(m["unit"] for m in [*found["maps"].values(), *found["defocus"].values()])
+
+
+def test_the_views_differ_as_they_should(folder):
+    """With the lens the page is sharper than without it; every look shows something else."""
+    contrast = {}
+    for look in ("far", "near"):
+        with Image.open(folder / f"view_{look}.png") as picture:
+            grey = np.asarray(picture.convert("L"), dtype=float)
+            third = grey.shape[1] // 3
+            contrast[look] = [
+                np.abs(np.diff(grey[80:-80, k * third + 60 : (k + 1) * third - 60])).mean() for k in range(3)
+            ]
+    assert contrast["near"][0] > 1.1 * contrast["near"][1]
+    assert contrast["near"][2] > contrast["near"][0]
+    assert contrast["far"] != contrast["near"]
+
+
+def test_the_asked_distances_are_shown_on_one_scale(folder):
+    found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    assert list(found["defocus"]) == ["objects at infinity", "objects at 40 cm", "objects of the scene"]
+    assert sorted(p.name for p in folder.glob("defocus*")) == [
+        "defocus_400.png",
+        "defocus_inf.png",
+        "defocus_scene.png",
+    ]
+    bars = []
+    for path in sorted(folder.glob("defocus*")):
+        with Image.open(path) as picture:
+            bars.append(np.asarray(picture)[100:550, 700:])
+    assert all(np.array_equal(bar, bars[0]) for bar in bars)
 
 
 def test_readings_stand_in_the_page(folder):

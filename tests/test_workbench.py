@@ -14,7 +14,7 @@ from lensbench.layers import EllipseLayer, MapLayer, PointsLayer, ProfileLayer, 
 from lensbench.optics import surfaces
 from lensbench.optics.conventions import Status, mean_power
 from lensbench.optics.gaze import look_through
-from lensbench.optics.lens import Lens, circle_outline
+from lensbench.optics.lens import Lens, Order, circle_outline
 from lensbench.optics.materials import MATERIALS
 from lensbench.scenes.scene import Part, Scene
 from lensbench.workbench import QUANTITIES, assumed_wearer, look, run
@@ -175,3 +175,64 @@ def test_a_lens_that_no_ray_passes(wearer):
     steep = Lens(prism_of_50_degrees, surfaces.plane(), 14.0, MATERIALS["CR-39"], circle_outline(6))
     with pytest.raises(InputError, match="no line of sight"):
         run(Request(steep, wearer, MapLayer("mean_power", samples=11)))
+
+
+def test_the_near_object_is_at_the_near_distance_from_the_cornea(progressive, wearer):
+    reading = {r.name: r for r in run(Request(progressive, wearer, PointsLayer()))}["near_reference_point"]
+    field = look_through(progressive, wearer, [reading.x], [reading.y])
+    point = field.origin[0] + reading.distance * field.direction[0]
+    assert np.linalg.norm(point - [0, 0, -wearer.wear.vertex_distance]) == pytest.approx(400.0, abs=1e-9)
+    assert reading.elevation < -20
+
+
+def test_ordered_prism_is_compared_at_the_prism_reference_point():
+    """A plane wedge of a: 100 tan((n - 1) a) to first order, base at the thicker edge, here down."""
+    wedge = surfaces.plane(tilt=(np.radians(1.0), 0.0))
+    lens = Lens(
+        surfaces.plane(), wedge, 4.0, MATERIALS["CR-39"], circle_outline(40), ordered=Order(prism=1.0, prism_base=270)
+    )
+    reading = next(
+        r for r in run(Request(lens, lb.Wearer(wear=lb.Wear(13.0)), PointsLayer())) if r.name == "prism_reference_point"
+    )
+    assert lens.thickness(0.0, -10.0) > lens.thickness(0.0, 10.0)
+    assert (reading.prism, reading.prism_base) == (pytest.approx(0.873, abs=0.002), pytest.approx(270.0))
+    assert reading.prism_error == pytest.approx(1.0 - reading.prism)
+
+
+def test_prism_maps_are_the_components_of_the_prism(progressive, wearer):
+    prism, right, up = (
+        run(Request(progressive, wearer, MapLayer(q, samples=15))).values
+        for q in ("prism", "prism_horizontal", "prism_vertical")
+    )
+    assert np.hypot(right, up) == pytest.approx(prism, nan_ok=True)
+    minus = lb.load_lens(SAMPLES / "sphere_minus_4_R.toml")
+    straight = lb.Wearer(wear=lb.Wear(13.0))
+    right, up = (
+        run(Request(minus, straight, MapLayer(q, samples=15))).values for q in ("prism_horizontal", "prism_vertical")
+    )
+    assert right[7, 12] > 1.0
+    assert right[7, 2] < -1.0
+    assert up[12, 7] > 1.0
+
+
+def test_profile_spans_the_principal_powers(progressive, wearer):
+    profile = run(Request(progressive, wearer, ProfileLayer(400.0)))
+    field = look_through(progressive, wearer, profile.x[40:41], profile.y[40:41])
+    sphere, cylinder, _ = (v[0] for v in field.as_worn_power(400.0))
+    assert (profile.greatest_power[40], profile.least_power[40]) == pytest.approx((sphere, sphere + cylinder))
+
+
+def test_the_same_rays_serve_every_eye(progressive, wearer):
+    myope = replace(wearer, eye=replace(wearer.eye, refraction=-1.0 * np.eye(2), pupil_diameter=3.0))
+    layer = MapLayer("defocus", 2000.0, samples=15)
+    shared = run(Request(progressive, wearer, layer)), run(Request(progressive, myope, layer))
+    assert np.shares_memory(shared[0].x, shared[1].x)
+    field = look_through(progressive, myope, [shared[1].x[9]], [shared[1].y[5]])
+    assert shared[1].values[5, 9] == pytest.approx(np.degrees(field.defocus(2000.0)[0]) * 60)
+
+
+def test_results_cannot_be_written_to(progressive, wearer):
+    lens_map = run(Request(progressive, wearer, MapLayer("mean_power", samples=15)))
+    for array in (lens_map.x, lens_map.values):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0

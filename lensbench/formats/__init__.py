@@ -7,7 +7,7 @@ from typing import Any
 from ..errors import InputError
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
-from .lens_file import build_lens, read_grid
+from .lens_file import build_lens, read_grids
 from .point_grid import PointGrid
 from .toml_file import read_toml
 from .wearer_file import build_wearer
@@ -55,4 +55,4 @@ def load_wearer(path: str | Path) -> Wearer:
 
 def load_surface(path: str | Path) -> PointGrid:
     """The first point grid of a surface file (SDF). Raises InputError."""
-    return read_grid(Path(path))
+    return read_grids(Path(path))[0]

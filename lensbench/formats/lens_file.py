@@ -1,6 +1,7 @@
 """Lens files: format "lensbench-lens/1". Lengths in mm, powers in D, angles in degrees; frames as in optics.conventions."""
 
-from dataclasses import asdict
+import difflib
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -15,11 +16,19 @@ from ..optics.materials import MATERIALS, Material
 from ..optics.surfaces import Surface
 from .point_grid import PointGrid
 from .sdf import read_sdf
-from .toml_file import Table, validated
+from .toml_file import Pair, Table, validated
 
-Pair = tuple[float, float]
 OneWay = tuple[float | None, float | None, float | None]
-POWER_SIGN = {"front": 1.0, "back": -1.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Face:
+    """Where a surface goes: "front" or "back" of a lens of side "R" or "L" and a refractive index, files beside folder."""
+
+    name: str
+    side: str
+    index: float
+    folder: Path
 
 
 class SurfaceTable(Table):
@@ -38,7 +47,7 @@ class Plane(SurfaceTable):
 
     type: Literal["plane"]
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
         return surfaces.plane(**self.pose())
 
@@ -56,9 +65,9 @@ class OneCurvature(SurfaceTable):
         _check_one_way(self.radius, self.curvature, self.power, self.index)
         return self
 
-    def vertex_curvature(self, face: str, index: float) -> float:
+    def vertex_curvature(self, face: Face) -> float:
         """Curvature at the vertex, 1/mm."""
-        return _curvature(face, self.index or index, self.radius, self.curvature, self.power)
+        return _curvature(face, self.index, self.radius, self.curvature, self.power)
 
 
 class Sphere(OneCurvature):
@@ -66,9 +75,9 @@ class Sphere(OneCurvature):
 
     type: Literal["sphere"]
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
-        return surfaces.conic(self.vertex_curvature(face, index), **self.pose())
+        return surfaces.conic(self.vertex_curvature(face), **self.pose())
 
 
 class Conic(OneCurvature):
@@ -78,9 +87,9 @@ class Conic(OneCurvature):
     conic_constant: float = 0.0
     asphere: list[float] = Field(default_factory=list, max_length=6)
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
-        return surfaces.conic(self.vertex_curvature(face, index), self.conic_constant, self.asphere, **self.pose())
+        return surfaces.conic(self.vertex_curvature(face), self.conic_constant, self.asphere, **self.pose())
 
 
 class TwoCurvatures(SurfaceTable):
@@ -103,10 +112,10 @@ class TwoCurvatures(SurfaceTable):
         radius, curvature, power = (pair or (None, None) for pair in (self.radius, self.curvature, self.power))
         return (radius[0], curvature[0], power[0]), (radius[1], curvature[1], power[1])
 
-    def vertex_curvatures(self, face: str, index: float) -> Pair:
+    def vertex_curvatures(self, face: Face) -> Pair:
         """Curvatures at the vertex along and across the axis meridian, 1/mm."""
         along, across = self.pairs()
-        return _curvature(face, self.index or index, *along), _curvature(face, self.index or index, *across)
+        return _curvature(face, self.index, *along), _curvature(face, self.index, *across)
 
 
 class Toric(TwoCurvatures):
@@ -114,9 +123,9 @@ class Toric(TwoCurvatures):
 
     type: Literal["toric"]
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
-        return surfaces.toric(*self.vertex_curvatures(face, index), self.axis, **self.pose())
+        return surfaces.toric(*self.vertex_curvatures(face), self.axis, **self.pose())
 
 
 class Biconic(TwoCurvatures):
@@ -125,9 +134,9 @@ class Biconic(TwoCurvatures):
     type: Literal["biconic"]
     conic_constant: Pair = (0.0, 0.0)
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
-        return surfaces.biconic(*self.vertex_curvatures(face, index), self.axis, *self.conic_constant, **self.pose())
+        return surfaces.biconic(*self.vertex_curvatures(face), self.axis, *self.conic_constant, **self.pose())
 
 
 class Grid(SurfaceTable):
@@ -142,10 +151,17 @@ class Grid(SurfaceTable):
     rows: Literal["horizontal", "vertical"] = "horizontal"
     z_towards: Literal["eye", "scene"] = "eye"
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
-        grid = read_grid(folder / self.file)
-        return grid.surface(self.first_point, self.rows, self.z_towards, index, **self.pose())
+        grids = read_grids(face.folder / self.file)
+        fitting = [g for g in grids if g.side in ("", face.side) and g.face in ("", face.name[0].upper())]
+        if not fitting:
+            held = ", ".join(f"{g.side} {g.face}" for g in grids)
+            raise InputError(
+                f"{face.folder / self.file}: holds side and face {held}, but this is the {face.name} of a lens of side "
+                f"{face.side}"
+            )
+        return fitting[0].surface(self.first_point, self.rows, self.z_towards, face.index, **self.pose())
 
 
 class BSpline(SurfaceTable):
@@ -169,7 +185,7 @@ class BSpline(SurfaceTable):
                 raise ValueError(f"{name}: knots must rise")
         return self
 
-    def build(self, face: str, index: float, folder: Path) -> Surface:
+    def build(self, face: Face) -> Surface:
         """The surface."""
         return surfaces.bspline(self.knots_x, self.knots_y, self.coefficients, self.degree, **self.pose())
 
@@ -191,11 +207,13 @@ def _check_one_way(
 
 
 def _curvature(
-    face: str, index: float, radius: float | None = None, curvature: float | None = None, power: float | None = None
+    face: Face, stated_index: float | None, radius: float | None, curvature: float | None, power: float | None
 ) -> float:
     if radius is not None:
         return 1.0 / radius
-    return curvature if curvature is not None else POWER_SIGN[face] * (power or 0.0) / (1000 * (index - 1))
+    if curvature is not None:
+        return curvature
+    return (1.0 if face.name == "front" else -1.0) * (power or 0.0) / (1000 * ((stated_index or face.index) - 1))
 
 
 class MaterialTable(Table):
@@ -213,7 +231,9 @@ class MaterialTable(Table):
         if not isinstance(data, str):
             return data
         if data not in MATERIALS:
-            raise ValueError(f"{data!r} is not known; there are {', '.join(MATERIALS)}, or give its numbers")
+            near = difflib.get_close_matches(data, MATERIALS, n=1, cutoff=0.75)
+            hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(MATERIALS)}, or give its numbers"
+            raise ValueError(f"{data!r} is not known; {hint}")
         return asdict(MATERIALS[data])
 
 
@@ -259,8 +279,8 @@ class PointsTable(Table):
 class OrderTable(Table):
     """Ordered power: sphere, cylinder, addition (D), axis (degrees), prism (cm/m), prism_base (degrees)."""
 
-    sphere: float = 0.0
-    cylinder: float = 0.0
+    sphere: float = Field(0.0, ge=-40, le=40)
+    cylinder: float = Field(0.0, ge=-20, le=20)
     axis: float = Field(180.0, ge=0, le=180)
     addition: float = Field(0.0, ge=0, le=5)
     prism: float = Field(0.0, ge=0, le=20)
@@ -289,8 +309,8 @@ def build_lens(path: Path, data: dict[str, Any]) -> Lens:
     material = Material(**table.material.model_dump())
     index = material.index(table.wavelength)
     lens = Lens(
-        front=table.front.build("front", index, path.parent),
-        back=table.back.build("back", index, path.parent),
+        front=table.front.build(Face("front", table.side, index, path.parent)),
+        back=table.back.build(Face("back", table.side, index, path.parent)),
         centre_thickness=table.centre_thickness,
         material=material,
         outline=table.outline.build(),
@@ -344,8 +364,8 @@ def _check_thickness(path: Path, lens: Lens) -> None:
         )
 
 
-def read_grid(path: Path) -> PointGrid:
-    """The first point grid of a surface file. Raises InputError."""
+def read_grids(path: Path) -> list[PointGrid]:
+    """The point grids of a surface file, one a block. Raises InputError."""
     if path.is_file() and path.suffix.lower() != ".sdf":
         raise InputError(f"{path}: {path.suffix or 'a file without extension'} is not read; point files are .sdf")
-    return read_sdf(path)[0]
+    return read_sdf(path)

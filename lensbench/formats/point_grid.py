@@ -58,4 +58,5 @@ class PointGrid:
         x, y = np.linspace(-width / 2, width / 2, z.shape[1]), np.linspace(-height / 2, height / 2, z.shape[0])
         surface = fitted_grid(x, y, z, self.rounding_step, **pose)
         residual = np.std(surface.sag(*np.meshgrid(x, y)) - z)
-        return replace(surface, note=f"{self.describe(index)}; fit residual {residual * 1e6:.2g} nm rms")
+        note = f"{self.describe(index)}; fit residual {residual * 1e6:.2g} nm rms; first point {first_point}, "
+        return replace(surface, note=f"{note}rows {rows}, z towards the {z_towards}")

@@ -74,8 +74,8 @@ def _row(path: Path, line: int, values: list[str], nx: int) -> list[float]:
             number = float(text)
         except ValueError:
             raise InputError(f"{path}, line {line}, value {column}: {text.strip()!r} is not a number") from None
-        if not np.isfinite(number):
-            raise InputError(f"{path}, line {line}, value {column}: {text.strip()!r} is not a finite sag in mm")
+        if not abs(number) <= 1000:
+            raise InputError(f"{path}, line {line}, value {column}: {text.strip()!r} is not a sag in mm")
         row.append(number)
     return row
 

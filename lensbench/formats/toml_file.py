@@ -3,17 +3,17 @@
 import difflib
 import tomllib
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ..errors import InputError
 
 
 class Table(BaseModel):
-    """A TOML table: finite numbers only, and no key that it does not know."""
+    """A TOML table: finite numbers only (no text or truth value for one), and no key that it does not know."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
     @model_validator(mode="before")
     @classmethod
@@ -26,6 +26,7 @@ class Table(BaseModel):
         return data
 
 
+Pair = Annotated[tuple[float, float], Field(strict=False)]
 T = TypeVar("T", bound=Table)
 
 

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from ..optics.conventions import power_matrix
 from ..optics.eye import Eye, Wear, Wearer, hofstetter_amplitude, watson_yellott_pupil
-from .toml_file import Table, validated
+from .toml_file import Pair, Table, validated
 
 
 class RefractionTable(Table):
@@ -46,7 +46,7 @@ class WearTable(Table):
     vertex_distance: float = Field(13.0, gt=0, le=40)
     pantoscopic_angle: float = Field(0.0, ge=-45, le=45)
     face_form_angle: float = Field(0.0, ge=-45, le=45)
-    decentration: tuple[float, float] = (0.0, 0.0)
+    decentration: Pair = (0.0, 0.0)
     pupillary_distance: float = Field(32.0, gt=0, le=60)
     near_distance: float = Field(400.0, ge=100, le=2000)
 

@@ -67,9 +67,11 @@ def box_outline(width: float, height: float, centre: tuple[float, float] = (0.0,
 def polygon_outline(points: ArrayLike, centre: tuple[float, float] | None = None) -> Outline:
     """Closed polygon (k, 2) in mm, given counter-clockwise or clockwise; star-shaped about its centre (mean by default).
 
-    Raises ValueError when the polygon is not star-shaped about the centre.
+    Points that repeat the one before them count once. Raises ValueError when the polygon is not star-shaped about the
+    centre.
     """
     p = np.asarray(points, dtype=float)
+    p = p[np.any(p != np.roll(p, 1, axis=0), axis=1)]
     c = (float(p[:, 0].mean()), float(p[:, 1].mean())) if centre is None else centre
     start = p - c
     if np.sum(start[:, 0] * np.roll(start[:, 1], -1) - start[:, 1] * np.roll(start[:, 0], -1)) < 0:
@@ -117,6 +119,11 @@ class Order:
     def power(self, near: bool = False) -> Floats:
         """Ordered power matrix (2, 2), D, for the distance or (with the addition) for the near reference point."""
         return power_matrix(self.sphere + (self.addition if near else 0.0), self.cylinder, self.axis)
+
+    def prism_components(self) -> Floats:
+        """Ordered prism (2,), cm/m, along x and y, positive towards the base."""
+        base = np.radians(self.prism_base)
+        return self.prism * np.array([np.cos(base), np.sin(base)])
 
 
 class EdgeThickness(NamedTuple):

@@ -59,16 +59,25 @@ class Surface(ReadOnlyArrays):
         return self.derivatives(x, y).f
 
     def describe(self) -> str:
-        """The surface in one line: kind, radii in mm, constants; how it was read, if it was read from points."""
+        """The surface in one line: kind, radii in mm, constants and pose; how it was read, if it was read from points."""
+        parts = [self._describe_shape()]
+        if any(self.decentration):
+            parts.append("decentred by {:g}, {:g} mm".format(*self.decentration))
+        if any(self.tilt):
+            parts.append("tilted by {:g}, {:g} deg about x, y".format(*np.degrees(self.tilt)))
+        return "; ".join(parts)
+
+    def _describe_shape(self) -> str:
         if self.kind == kernel.SPLINE:
             ny, nx = self.cells.shape[:2]
             return self.note or f"B-spline of {nx} x {ny} cells"
         along = _radius(self.p[0])
         if self.kind == kernel.CONIC:
-            terms = " ".join(f"a{4 + 2 * k} = {a:.4g}" for k, a in enumerate(self.p[2:]) if a)
+            terms = "".join(f", a{4 + 2 * k} = {a:.4g}" for k, a in enumerate(self.p[2:]) if a)
             conic_constant = f", conic constant {self.p[1]:g}" if self.p[1] else ""
-            kind = "plane" if not (self.p[0] or terms) else "asphere" if terms or conic_constant else "sphere"
-            return kind if kind == "plane" else f"{kind}, {along}{conic_constant} {terms}".rstrip()
+            if not (self.p[0] or terms):
+                return "plane"
+            return f"{'asphere' if terms or conic_constant else 'sphere'}, {along}{conic_constant}{terms}"
         axis = np.degrees(np.arctan2(self.p[3], self.p[2])) % 180
         kind = "torus" if self.kind == kernel.TORIC else "biconic"
         constants = f", conic constants {self.p[4]:g}, {self.p[5]:g}" if self.kind == kernel.BICONIC else ""
@@ -89,7 +98,7 @@ class Surface(ReadOnlyArrays):
 
 
 def _radius(curvature: float) -> str:
-    return f"radius {1 / curvature:.3f} mm" if curvature else "flat"
+    return f"radius {1 / curvature:.7g} mm" if curvature else "flat"
 
 
 class SagDerivatives(NamedTuple):

@@ -27,11 +27,11 @@ from ..layers import (
 from ..optics.conventions import VERSION, Status, power_matrix
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
-from ..output import to_json, write_file
+from ..output import require_folder, to_json, write_file
 from ..workbench import LOOKS, look, run
-from .facts import Fact, lens_facts, prescription_text, wearer_facts
+from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
 from .progress import Progress
-from .tables import distance_text
+from .tables import distance_text, map_numbers
 
 DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
@@ -41,7 +41,7 @@ UNITS = {
     "azimuth": "degrees, towards the wearer's left", "elevation": "degrees, upwards", "axis": "degrees TABO",
     "prism_base": "degrees TABO, 0 to 360", "prism": "cm/m", "orientation": "rad",
     "sphere": "D", "cylinder": "D", "mean_power": "D", "least_power": "D", "greatest_power": "D", "astigmatism": "D",
-    "mean_error": "D", "astigmatic_error": "D", "accommodation": "D",
+    "mean_error": "D", "astigmatic_error": "D", "accommodation": "D", "prism_error": "cm/m", "exaggeration": "1",
 }  # fmt: skip
 
 
@@ -76,6 +76,7 @@ def build_report(lens: Lens, wearer: Wearer, folder: Path, distances: Sequence[f
     """Write the report of a lens as this wearer wears it. distances: of the objects of the defocus maps, mm."""
     from ..scenes.builtin import load_scene
 
+    require_folder(folder)
     progress.step("scene")
     scene = load_scene("room")
     progress.step("trace")
@@ -90,7 +91,7 @@ def build_report(lens: Lens, wearer: Wearer, folder: Path, distances: Sequence[f
     progress.step("page")
     for picture in pictures.values():
         write_file(folder / picture.name, picture.png)
-    write_file(folder / "results.json", to_json(results(findings)))
+    write_file(folder / "results.json", to_json(results(lens, wearer, findings)))
     write_file(folder / "index.html", page(lens, wearer, findings, pictures))
 
 
@@ -123,7 +124,7 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
     pictures["profile"] = _picture(
         "profile",
         "Power profile along the main meridian",
-        profile_figure(lens, findings.profile, "objects at infinity"),
+        profile_figure(lens, findings.profile, "through the fitting and near reference points, objects at infinity"),
     )
     pictures["section"] = _picture("section", "Vertical and horizontal section", section_figure(lens))
     return pictures
@@ -143,10 +144,11 @@ def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str
 
     limits = shared_limits(list(findings.defocus.values()))
     pictures = {}
-    for k, (distance, lens_map) in enumerate(findings.defocus.items()):
+    for distance, lens_map in findings.defocus.items():
         text = distance_text(distance)
+        name = f"defocus_{distance if isinstance(distance, str) else f'{distance:g}'}"
         picture = map_on_lens(lens, wearer, lens_map, limits=limits, subtitle=text)
-        pictures[f"defocus_{k}"] = _picture(f"defocus_{k}", f"Defocus map, {text}", picture)
+        pictures[name] = _picture(name, f"Defocus map, {text}", picture)
     layers = ellipse_figure(lens, wearer, findings.ellipses)
     pictures["ellipses"] = _picture("ellipses", "Ellipses of confusion", layers)
     stack = ellipse_stack(lens, wearer, findings.ellipses)
@@ -183,24 +185,32 @@ def _picture(name: str, caption: str, picture: Any) -> Picture:
     return Picture(f"{name}.png", caption, png_bytes(picture))
 
 
-def results(findings: Findings) -> dict[str, Any]:
+def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
     """Everything that the report shows as numbers, for machines."""
+    from ..views.ellipses import fitting_exaggeration
+
     return {
         "format": "lensbench-results/1",
         "lensbench": __version__,
         "conventions": VERSION,
         "units": UNITS,
         "status": {s.name: s.value for s in Status},
-        "lens": {f.label: f.value for f in findings.lens},
-        "wearer": {f.label: f.value for f in findings.wearer},
+        "accommodation_rule": "retina",
+        "lens": {f.label: {"text": f.text, "value": f.value} for f in findings.lens},
+        "wearer": {f.label: {"text": f.text, "value": f.value} for f in findings.wearer},
         "reference_points": [asdict(r) for r in findings.readings],
         "profile": asdict(findings.profile),
-        "maps": {name: asdict(m) for name, m in findings.maps.items()},
-        "defocus": {distance_text(d): asdict(m) for d, m in findings.defocus.items()},
+        "maps": {name: map_numbers(m) for name, m in findings.maps.items()},
+        "defocus": {distance_text(d): map_numbers(m) for d, m in findings.defocus.items()},
         "ellipses": [
-            {k: v for k, v in asdict(sheet).items() if k != "spokes"} for sheet in findings.ellipses
+            {k: v for k, v in asdict(sheet).items() if k != "spokes"} | {"exaggeration": fitting_exaggeration(sheet)}
+            for sheet in findings.ellipses
         ],
-    }  # fmt: skip
+        "views": {
+            name: dict(zip(("azimuth", "elevation"), np.degrees(look(name, lens, wearer)), strict=True))
+            for name in LOOKS
+        },
+    }
 
 
 def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Picture]) -> str:
@@ -216,6 +226,7 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         pictures=pictures,
         looks=LOOKS,
         inf=math.inf,
+        misfit=misfit(lens, wearer),
         prescription=prescription_text,
         power_matrix=power_matrix,
         failed=_failed(findings.maps["mean_power"]),

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..formats.point_grid import PointGrid
-from ..optics.conventions import Floats, mean_power, sphere_cylinder_axis
+from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 
@@ -24,6 +24,19 @@ def prescription_text(matrix: Floats) -> str:
     if abs(cylinder) < 0.005:
         return f"{round(sphere, 2) + 0.0:+.2f}"
     return f"{round(sphere, 2) + 0.0:+.2f} / {cylinder:+.2f} x {round(axis) or 180}"
+
+
+def misfit(lens: Lens, wearer: Wearer) -> str:
+    """A sentence where the ordered power and the wearer's prescription differ by more than 0.25 D; else nothing."""
+    if lens.ordered is None:
+        return ""
+    gap = lens.ordered.power() - wearer.prescription
+    if max(abs(mean_power(gap)), astigmatism(gap)) <= 0.25:
+        return ""
+    return (
+        f"The lens was ordered as {prescription_text(lens.ordered.power())} D, but this wearer's prescription at its vertex "
+        f"is {prescription_text(wearer.prescription)} D: the errors below contain the difference."
+    )
 
 
 def file_facts(found: Lens | Wearer | PointGrid) -> list[Fact]:
@@ -65,7 +78,16 @@ def lens_facts(lens: Lens) -> list[Fact]:
         ),
         Fact("Maximum edge thickness", f"{thickest:.2f} mm", thickest),
         Fact("Weight", f"{weight:.1f} g", weight),
-        Fact("Outline", f"{x1 - x0:.1f} x {y1 - y0:.1f} mm", [x1 - x0, y1 - y0]),
+        Fact(
+            "Outline",
+            f"{x1 - x0:.1f} x {y1 - y0:.1f} mm, x {x0:.1f} to {x1:.1f}, y {y0:.1f} to {y1:.1f}",
+            [x0, x1, y0, y1],
+        ),
+        Fact(
+            "Reference points",
+            "; ".join(f"{name.replace('_', ' ')} {px:g}, {py:g} mm" for name, (px, py) in lens.points.named().items()),
+            lens.points.named(),
+        ),
     ]
     if lens.ordered is not None:
         o = lens.ordered

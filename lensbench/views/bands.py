@@ -21,7 +21,8 @@ class MapStyle:
     """How a quantity is banded. colours: colour maps; two of them diverge from `centre` (None: the ordered mean power,
     rounded to the step, so that alike designs look alike).
 
-    steps: band widths in the quantity's unit, the first that gives at most 24 bands is taken; every label_every-th
+    steps: band widths in the quantity's unit, the first that gives at most 24 bands is taken (half of the first where the
+    map would have less than four); every label_every-th
     multiple is emphasised and labelled; strong: levels drawn strongest; levels: fixed uneven levels instead of steps.
     """
 
@@ -153,6 +154,7 @@ def _levels(style: MapStyle, span: tuple[float, float], step: float | None) -> F
         return fixed[max(np.searchsorted(fixed, low, "right") - 1, 0) : max(np.searchsorted(fixed, high), 1) + 1]
     if step is None:
         step = next(s for s in (*style.steps, *_ANY_STEPS) if high - low <= _MOST_BANDS * s)
+        step /= 2 if 0 < high - low < 4 * style.steps[0] else 1
     if not step > 0 or high - low > _MOST_ASKED * step:
         raise InputError(f"a step of {step:g} does not make 1 to {_MOST_ASKED} bands from {low:g} to {high:g}")
     first, last = np.floor(low / step + 1e-3), np.ceil(high / step - 1e-3)

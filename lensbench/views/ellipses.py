@@ -28,25 +28,27 @@ def ellipse_figure(
     wearer: Wearer,
     sheets: Sequence[EllipseSheet],
     exaggeration: float | None = None,
-    size: tuple[int, int] = (1500, 590),
+    panel: float = 3.9,
     subtitle: str = "",
 ) -> Figure:
-    """Ellipses of confusion, one panel a depth, as the wearer looks at them: straight ahead, the wearer's right (-x) to
-    the right. Coloured by the major diameter seen from the centre of rotation (arcmin). lens None: the naked eye.
+    """Ellipses of confusion, one panel a depth (three in a row), as the wearer looks at them: straight ahead, the wearer's
+    right (-x) to the right. Coloured by the major diameter seen from the centre of rotation (arcmin). lens None: the
+    naked eye.
 
     exaggeration: of all ellipses; None: true scale, or where they would be lost or overlap the factor in the panel's title.
+    panel: side of a panel in inches of 100 pixels.
     """
-    figure = maps.blank_figure(size[0] / 100, size[1] / 100)
-    across, up = figure.get_size_inches()
+    columns, rows = min(len(sheets), 3), -(-len(sheets) // 3)
+    across, up = 0.85 + columns * (panel + 0.75) + 0.95, 1.0 + rows * (panel + 0.95)
+    figure = maps.blank_figure(across, up)
     angles = [angular_diameters(sheet, wearer) for sheet in sheets]
     bands = value_bands("defocus", np.concatenate(angles))
-    room = (across - 1.1) / len(sheets)
-    side = min(room - 0.7, up - 1.7)
     for k, (sheet, angle) in enumerate(zip(sheets, angles, strict=True)):
-        panel = maps.place(figure, 0.65 + k * room, 0.7, side, side)
-        _draw_sheet(panel, sheet, angle, bands, exaggeration or fitting_exaggeration(sheet))
-    maps.colour_bar(maps.place(figure, across - 0.72, 0.9, 0.18, side - 0.4), bands, "arcmin")
-    maps.titles(figure, 0.65 / across, "Ellipses of confusion", lens.name if lens else "naked eye", subtitle)
+        left, bottom = 0.85 + (k % 3) * (panel + 0.75), up - 1.0 - (k // 3 + 1) * (panel + 0.95) + 0.75
+        axes = maps.place(figure, left, bottom, panel, panel)
+        _draw_sheet(axes, sheet, angle, bands, exaggeration or fitting_exaggeration(sheet))
+    maps.colour_bar(maps.place(figure, across - 0.85, 0.95, 0.18, panel - 0.4), bands, "arcmin")
+    maps.titles(figure, 0.85 / across, "Ellipses of confusion", lens.name if lens else "naked eye", subtitle)
     eye = "naked" if lens is None else EYE[lens.side]
     maps.small_print(figure, f"{eye} eye, as the wearer sees it; colour: major diameter seen from the eye")
     return figure

@@ -262,13 +262,15 @@ def section_figure(lens: Lens) -> Figure:
     _draw_section(upright, up, upright=True)
     _draw_section(flat, across, upright=False)
     upright.set_title(f"vertical, x = {at[0]:g} mm", size=10, color=INK)
+    sides = ("temporal", "nasal") if lens.side == "R" else ("nasal", "temporal")
+    flat.set_xlabel(f"{sides[0]}  ←  x, mm  →  {sides[1]}")
     flat.set_title(f"horizontal, y = {at[1]:g} mm, seen from above", size=10, color=INK)
     titles(figure, upright.get_position().x0, "Cross-sections", lens.name)
     thin = lens.minimum_edge_thickness()
     facts = (
         f"centre thickness  {lens.centre_thickness:.2f} mm",
         f"thinnest edge  {thin.thickness:.2f} mm, at x = {thin.x:.1f} mm, y = {thin.y:.1f} mm",
-        f"mass  {lens.weight():.1f} g",
+        f"weight  {lens.weight():.1f} g",
         f"material  {lens.material.name}, index {lens.index:.3f} ({lens.wavelength} line)",
     )
     flat.text(
