@@ -151,7 +151,12 @@ def _needed_scene(request: Request) -> Scene:
     """The scene as it stands before this eye: a scene is centred on the face's midline (without a lens: on the eye)."""
     if request.scene is None:
         raise InputError("this needs a scene: name one, or give an object distance")
-    return request.scene.moved(_midline(request.lens, request.wearer)) if request.lens else request.scene
+    return _moved(request.scene, _midline(request.lens, request.wearer)) if request.lens else request.scene
+
+
+@lru_cache(maxsize=4)
+def _moved(scene: Scene, x: float) -> Scene:
+    return scene.moved(x)
 
 
 @_answer.register
@@ -161,10 +166,8 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     if layer.quantity not in QUANTITIES:
         raise InputError(f"unknown quantity {layer.quantity!r}; there are {', '.join(QUANTITIES)}")
     quantity = QUANTITIES[layer.quantity]
-    wearer = request.wearer
-    samples = _map_field(lens, wearer.wear, wearer.eye.centre_of_rotation, wearer.eye.entrance_pupil, layer.samples)
-    x, y, inside, field = samples
-    field = replace(field, wearer=wearer)
+    x, y, inside, field = _map_field(lens, *_geometry(request.wearer), layer.samples)
+    field = replace(field, wearer=request.wearer)
     distance = _object_distance(layer.distance, field, request)
     values = np.full(inside.size, np.nan)
     values[inside] = quantity.values(field, distance, layer.accommodation)
@@ -172,6 +175,11 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     status[inside] = field.status
     shape = (y.size, x.size)
     return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
+
+
+def _geometry(wearer: Wearer) -> tuple[Wear, float, float]:
+    """What of a wearer decides which way the rays go: position of wear, centre of rotation and entrance pupil."""
+    return wearer.wear, wearer.eye.centre_of_rotation, wearer.eye.entrance_pupil
 
 
 @lru_cache(maxsize=4)
@@ -357,7 +365,7 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
 
 
 def _seen_part(lens: Lens | None, wearer: Wearer, part: Part, rule: Accommodation, sharp: bool) -> SeenPart:
-    field = look_at(lens, wearer, part.points, within_outline=False)
+    field = replace(_vertex_field(lens, *_geometry(wearer), part), wearer=wearer)
     reach = np.linalg.norm(part.points - wearer.centre_of_rotation, axis=1)
     gaze = _seen_directions(field)
     if sharp:
@@ -366,6 +374,15 @@ def _seen_part(lens: Lens | None, wearer: Wearer, part: Part, rule: Accommodatio
     return SeenPart(
         part, gaze, reach, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ field.apparent_blur(distance, rule)
     )
+
+
+@lru_cache(maxsize=128)
+def _vertex_field(
+    lens: Lens | None, wear: Wear, centre_of_rotation: float, entrance_pupil: float, part: Part
+) -> GazeField:
+    """The gazes that meet a part's vertices: kept for other looks at the part, for other eyes behind the same lens."""
+    eye = Eye(centre_of_rotation=centre_of_rotation, entrance_pupil=entrance_pupil)
+    return look_at(lens, Wearer(eye, wear), part.points, within_outline=False)
 
 
 def _seen_directions(field: GazeField) -> Floats:

@@ -172,22 +172,34 @@ def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline
     reach, behind = np.linalg.norm(line, axis=1), line[:, 2] <= 0
     line[behind] = [0.0, 0.0, 1.0]
     target, gaze = wearer.centre_of_rotation + line, unit(line)
-    passed, reason = np.broadcast_to([0.0, 0.0, 1.0], gaze.shape), np.zeros(len(gaze), dtype=np.int8)
+    passed, reason = np.tile([0.0, 0.0, 1.0], (len(gaze), 1)), np.zeros(len(gaze), dtype=np.int8)
+    seeking = np.arange(len(gaze))
     for _ in range(MOST_STEPS):
-        rays = _naked_rays(wearer, gaze) if lens is None else trace_rays(lens, wearer.wear, _pupils(wearer, gaze), gaze)
+        rays = _outgoing(lens, wearer, gaze[seeking])
         ok = rays.status == Status.OK
-        reason = np.where(reason == Status.OK, rays.status, reason)
-        miss, step = _newton_step(rays, target, wearer.eye.pupil_from_rotation)
-        if not np.any(~ok | (miss > 1e-11 * reach)):
+        reason[seeking] = np.where(reason[seeking] == Status.OK, rays.status, reason[seeking])
+        miss, step = _newton_step(rays, target[seeking], wearer.eye.pupil_from_rotation)
+        far = ~ok | (miss > 1e-11 * reach[seeking])
+        seeking, ok, step = seeking[far], ok[far, None], step[far]
+        passed[seeking] = np.where(ok, gaze[seeking], passed[seeking])
+        gaze[seeking] = np.where(ok, _turned(gaze[seeking], step), unit(gaze[seeking] + passed[seeking]))
+        if not seeking.size:
             break
-        passed = np.where(ok[:, None], gaze, passed)
-        gaze = np.where(ok[:, None], _turned(gaze, step), unit(gaze + passed))
+    rays = _outgoing(lens, wearer, gaze)
+    miss, _ = _newton_step(rays, target, wearer.eye.pupil_from_rotation)
     if lens is not None and within_outline:
         rays = _within_outline(lens, wearer.wear, rays)
     field = _field(lens, wearer, gaze, rays)
     lost = behind | ~(miss <= 1e-9 * reach) | ~(field.distances_to(target) > -1e-6)
     field = field.with_status(lost & (field.status == Status.OK), Status.NOT_CONVERGED)
     return replace(field, status=np.where(lost & (reason != Status.OK), reason, field.status))
+
+
+def _outgoing(lens: Lens | None, wearer: Wearer, directions: Floats) -> TracedRays:
+    """The chief rays of gazes (n, 3), through the lens or of the naked eye; the outline is ignored."""
+    if lens is None:
+        return _naked_rays(wearer, directions)
+    return trace_rays(lens, wearer.wear, _pupils(wearer, directions), directions)
 
 
 def _newton_step(rays: TracedRays, target: Floats, lever: float) -> tuple[Floats, Floats]:
