@@ -238,6 +238,7 @@ def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
     mark_y, mark_x = np.array(marks).T
     x = np.interp(y, mark_y, mark_x)
     field = look_through(lens, request.wearer, x, y)
+    _some_ray_passes(field)
     ok = field.status == Status.OK
     x, y, power = x[ok], y[ok], field.as_worn_matrix(layer.distance)[ok]
     mean, astig = mean_power(power), astigmatism(power)

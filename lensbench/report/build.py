@@ -89,10 +89,11 @@ def build_report(lens: Lens, wearer: Wearer, folder: Path, distances: Sequence[f
         progress.step(f"view {name}")
         pictures[f"view_{name}"] = view_picture(lens, wearer, scene, name)
     progress.step("page")
-    for picture in pictures.values():
-        write_file(folder / picture.name, picture.png)
-    write_file(folder / "results.json", to_json(results(lens, wearer, findings)))
-    write_file(folder / "index.html", page(lens, wearer, findings, pictures))
+    contents: dict[str, bytes | str] = {picture.name: picture.png for picture in pictures.values()}
+    contents["results.json"] = to_json(results(lens, wearer, findings))
+    contents["index.html"] = page(lens, wearer, findings, pictures)
+    for name, content in contents.items():
+        write_file(folder / name, content)
 
 
 def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> Findings:
