@@ -20,7 +20,8 @@ VECTOR = nb.types.Array(nb.float64, 1, "C", readonly=True)
 MATRIX = nb.types.Array(nb.float64, 2, "C", readonly=True)
 CELLS = nb.types.Array(nb.float64, 4, "C", readonly=True)
 
-inline = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+FASTMATH = {"contract", "nsz"}  # what leaves NaN and infinity alone
+inline = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH, forceinline=True)
 
 
 @inline

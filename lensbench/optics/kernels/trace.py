@@ -8,7 +8,7 @@ import math
 
 import numba as nb
 
-from .surface import CELLS, MATRIX, VECTOR, inline, intersect, sag
+from .surface import CELLS, FASTMATH, MATRIX, VECTOR, inline, intersect, sag
 
 OK, MISSED_BACK, MISSED_FRONT, NOT_CONVERGED, TOTAL_INTERNAL_REFLECTION = 0, 1, 2, 4, 5
 
@@ -92,7 +92,7 @@ SURFACE = nb.types.Tuple((nb.int64, VECTOR, VECTOR, VECTOR, CELLS, VECTOR))
 
 @nb.njit(
     nb.void(SURFACE, SURFACE, nb.float64, MATRIX, MATRIX, nb.float64[:, ::1], nb.int8[::1]),
-    nogil=True, cache=True, parallel=True, error_model="numpy", fastmath={"contract", "nsz"},
+    nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH,
 )  # fmt: skip
 def trace_rays(back, front, index, start, direction, out, status):
     """Trace n rays from the eye through the lens.
