@@ -89,28 +89,22 @@ class Quantity:
     values: Callable[[GazeField, Any, Accommodation], Floats]
 
 
-def _prism_part(k: int) -> Callable[[GazeField, Any, Accommodation], Floats]:
-    return lambda f, s, a: f.prism_components()[:, k]
-
-
-def _sca_part(k: int) -> Callable[[GazeField, Any, Accommodation], Floats]:
-    return lambda f, s, a: f.as_worn_power(s)[k]
-
-
 QUANTITIES = {
     "mean_power": Quantity("As-worn mean power", "D", lambda f, s, a: mean_power(f.as_worn_matrix(s))),
     "astigmatism": Quantity("As-worn astigmatism", "D", lambda f, s, a: astigmatism(f.as_worn_matrix(s))),
-    "sphere": Quantity("As-worn sphere", "D", _sca_part(0)),
-    "cylinder": Quantity("As-worn cylinder", "D", _sca_part(1)),
-    "axis": Quantity("As-worn axis", "deg", _sca_part(2)),
+    "sphere": Quantity("As-worn sphere", "D", lambda f, s, a: f.as_worn_power(s).sphere),
+    "cylinder": Quantity("As-worn cylinder", "D", lambda f, s, a: f.as_worn_power(s).cylinder),
+    "axis": Quantity("As-worn axis", "deg", lambda f, s, a: f.as_worn_power(s).axis),
     "mean_error": Quantity("Mean power error", "D", lambda f, s, a: mean_power(f.power_error(s))),
     "astigmatic_error": Quantity("Astigmatic error", "D", lambda f, s, a: astigmatism(f.power_error(s))),
     "residual_mean": Quantity("Residual mean defocus", "D", lambda f, s, a: mean_power(f.residual_defocus(s, a))),
     "accommodation": Quantity("Accommodation in use", "D", lambda f, s, a: f.accommodation(s, a)),
     "defocus": Quantity("Defocus 2|ε|", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
     "prism": Quantity("Prism", "cm/m", lambda f, s, a: f.prism().prism),
-    "prism_horizontal": Quantity("Horizontal prism, + base to the wearer's left", "cm/m", _prism_part(0)),
-    "prism_vertical": Quantity("Vertical prism, + base up", "cm/m", _prism_part(1)),
+    "prism_horizontal": Quantity(
+        "Horizontal prism, + base to the wearer's left", "cm/m", lambda f, s, a: f.prism_components()[:, 0]
+    ),
+    "prism_vertical": Quantity("Vertical prism, + base up", "cm/m", lambda f, s, a: f.prism_components()[:, 1]),
     "magnification": Quantity("Magnification", "x", lambda f, s, a: _area_magnification(f.magnification(s))),
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f)),
 }

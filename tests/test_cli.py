@@ -120,6 +120,38 @@ def test_bad_usage_is_exit_2(arguments, capsys):
     assert "error:" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("options", "folder", "distances"),
+    [
+        ([], Path("reports/regular_R"), (np.inf, 780.0, 400.0)),
+        (["--object-distance", "inf", "1.5m", "-o", "here"], Path("here"), (np.inf, 1500.0)),
+    ],
+)
+def test_report_asks_for_what_was_said(monkeypatch, capsys, options, folder, distances):
+    asked = []
+    monkeypatch.setattr("lensbench.report.build.build_report", lambda *given: asked.append(given))
+    assert main(["report", REGULAR, "-w", str(SAMPLES / "paper_eye.toml"), *options]) == 0
+    lens, wearer, *rest, _ = asked[0]
+    assert rest == [folder, distances]
+    assert (lens.side, wearer.eye.accommodation) == ("R", 0.5)
+    assert capsys.readouterr().out.strip() == str(folder / "index.html")
+
+
+def test_view_asks_for_what_was_said(monkeypatch, tmp_path):
+    seen = []
+
+    def draw(scene, passes):
+        seen.append((scene.layer, passes))
+        return np.zeros((4, 4, 3), np.uint8)
+
+    monkeypatch.setattr("lensbench.views.jitter.render_view", draw)
+    options = ["--gaze", "10", "-20", "--eye", "pinhole", "--fov", "30", "--size", "64", "48", "--passes", "5"]
+    assert main(["view", REGULAR, *options, "--accommodation", "0.25", "-o", str(tmp_path / "v.png")]) == 0
+    layer, passes = seen[0]
+    assert (layer.eye, layer.size, layer.accommodation, passes) == ("pinhole", (64, 48), 0.25, 5)
+    assert np.degrees([layer.azimuth, layer.elevation, layer.half_width]) == pytest.approx([10, -20, 15])
+
+
 def test_a_missing_package_is_named(monkeypatch, tmp_path, capsys):
     monkeypatch.delitem(sys.modules, "lensbench.views.maps", raising=False)
     monkeypatch.setitem(sys.modules, "matplotlib", None)

@@ -207,3 +207,12 @@ def test_an_empty_stage_gives_a_picture_of_its_size():
     assert picture.shape == (48, 64, 3)
     assert picture.dtype == np.uint8
     assert picture.min() == 255
+
+
+@pytest.mark.parametrize(("side", "on_the_right"), [("R", "nasal"), ("L", "temporal")])
+def test_sides_are_named_where_they_are(monkeypatch, side, on_the_right):
+    drawn = []
+    monkeypatch.setattr(lens3d.maps, "figure_array", lambda figure: drawn.append(figure) or np.zeros((1, 1, 3)))
+    lens3d.map_on_lens(a_lens(side), WEARER, a_map(lambda x, y: 2 + x / 15), SIZE)
+    at = {t.get_text(): t.get_position()[0] for t in drawn[0].findobj(Text)}
+    assert (at["nasal"] > at["temporal"]) == (on_the_right == "nasal")

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import lensbench as lb
-from lensbench.layers import PointsLayer, Request
+from lensbench.layers import LensMap, PointsLayer, Request
 from lensbench.report import build
 from lensbench.report.progress import Progress
 from lensbench.workbench import run
@@ -138,3 +138,10 @@ def test_progress_is_silent_unless_on_a_terminal():
     progress.done()
     assert stream.getvalue() == ""
     assert set(progress.seconds) == {"one"}
+
+
+def test_failed_rays_are_counted():
+    status = np.array([[0, 0, 3], [0, 2, 5]], dtype=np.int8)
+    lens_map = LensMap("mean_power", "Mean", "D", np.arange(3.0), np.arange(2.0), np.zeros((2, 3)), status)
+    assert build._failed(lens_map) == "20.0% missed front, 20.0% total internal reflection"
+    assert build._failed(replace(lens_map, status=np.zeros((2, 3), dtype=np.int8))) == ""

@@ -237,3 +237,10 @@ def test_results_cannot_be_written_to(progressive, wearer):
     for array in (lens_map.x, lens_map.values):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 0
+
+
+def test_looks_and_layers_stand_where_the_paper_and_the_scene_have_them(progressive, wearer):
+    assert (EllipseLayer().depths, EllipseLayer().n) == ((270.0, 780.0, 3400.0), 32)
+    down = [np.degrees(look(name, progressive, wearer)[1]) for name in ("far", "intermediate", "near")]
+    assert down[0] == 0.0
+    assert down[0] > down[1] > down[2] > -35
