@@ -4,7 +4,8 @@ import argparse
 import math
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -229,6 +230,22 @@ def _write_picture(path: Path, picture: Any) -> None:
     print(path)
 
 
+def _deliver(
+    args: argparse.Namespace, kind: str, numbers: Any, table: Callable[[], str], picture: Callable[[], Any]
+) -> None:
+    """Print the numbers as JSON if asked to; else write the file in the kind that its name says."""
+    from .output import to_json
+
+    if args.json:
+        print(to_json(numbers))
+    elif kind == ".json":
+        _write(args.output, to_json(numbers))
+    elif kind == ".csv":
+        _write(args.output, table())
+    else:
+        _write_picture(args.output, picture())
+
+
 def _room() -> "Scene":
     from .scenes.builtin import load_scene
 
@@ -252,7 +269,6 @@ def write_report(args: argparse.Namespace) -> None:
 def write_map(args: argparse.Namespace) -> None:
     """lensbench map LENS."""
     from .layers import MapLayer, Request
-    from .output import to_json
     from .report.tables import map_csv, map_numbers
     from .workbench import run
 
@@ -261,14 +277,8 @@ def write_map(args: argparse.Namespace) -> None:
     scene = _room() if args.distance == "scene" else None
     layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))
     result = run(Request(lens, wearer, layer, scene))
-    if args.json:
-        print(to_json(map_numbers(result)))
-    elif kind == ".json":
-        _write(args.output, to_json(map_numbers(result)))
-    elif kind == ".csv":
-        _write(args.output, map_csv(result))
-    else:
-        _write_picture(args.output, _map_picture(args, lens, wearer, result))
+    picture = partial(_map_picture, args, lens, wearer, result)
+    _deliver(args, kind, map_numbers(result), partial(map_csv, result), picture)
 
 
 def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> Any:
@@ -287,6 +297,7 @@ def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", resul
 def write_view(args: argparse.Namespace) -> None:
     """lensbench view LENS."""
     from .layers import Request, ViewLayer
+    from .views.jitter import render_view
     from .workbench import look, run
 
     _kind(args.output, ".png")
@@ -297,15 +308,12 @@ def write_view(args: argparse.Namespace) -> None:
     rule = accommodation(args.accommodation)
     layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
     seen = run(Request(lens, wearer, layer, _room()))
-    from .views.jitter import render_view
-
     _write_picture(args.output, render_view(seen, args.passes))
 
 
 def write_ellipses(args: argparse.Namespace) -> None:
     """lensbench eoc LENS."""
     from .layers import EllipseLayer, Request
-    from .output import to_json
     from .report.tables import ellipse_rows, ellipses_csv
     from .workbench import run
 
@@ -313,16 +321,14 @@ def write_ellipses(args: argparse.Namespace) -> None:
     lens, wearer = _load(args)
     layer = EllipseLayer(tuple(args.depths), args.n, accommodation=accommodation(args.accommodation))
     sheets = run(Request(lens, wearer, layer))
-    if args.json:
-        print(to_json(ellipse_rows(sheets)))
-    elif kind == ".json":
-        _write(args.output, to_json(ellipse_rows(sheets)))
-    elif kind == ".csv":
-        _write(args.output, ellipses_csv(sheets))
-    else:
-        from .views.ellipses import ellipse_figure
+    picture = partial(_ellipse_picture, lens, wearer, sheets)
+    _deliver(args, kind, ellipse_rows(sheets), partial(ellipses_csv, sheets), picture)
 
-        _write_picture(args.output, ellipse_figure(lens, wearer, sheets))
+
+def _ellipse_picture(lens: "Lens", wearer: "Wearer", sheets: Any) -> Any:
+    from .views.ellipses import ellipse_figure
+
+    return ellipse_figure(lens, wearer, sheets)
 
 
 def write_voxels(args: argparse.Namespace) -> None:

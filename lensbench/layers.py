@@ -51,7 +51,7 @@ class EllipseLayer:
 class VoxelLayer:
     """Blur matrices in the voxels of a view frustum: nx x ny gazes, nz planes equally spaced in NDC depth.
 
-    near, far: mm ahead of the centre of rotation. half_angle: rad. Kakimoto, Tatsukawa & Nishita 2010, section 4.
+    near, far: mm ahead of the centre of rotation. half_angle: rad. Kakimoto, Tatsukawa & Nishita 2010.
     """
 
     nx: int

@@ -354,6 +354,7 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
     rims: tuple[Floats, ...] = ()
     frame = listing_frame(direction_from_angles(layer.azimuth, layer.elevation))
     if lens is not None:
+        _some_ray_passes(trace(lens, wearer, GazeGrid()))
         around = tuple(_seen_part(None, wearer, part, layer.accommodation, sharp) for part in scene.parts)
         rims = _rims(lens, wearer, frame)
     return SeenScene(layer, scene.background, wearer.centre_of_rotation, frame, through, around, rims)

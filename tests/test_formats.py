@@ -300,6 +300,10 @@ def test_an_outline_may_repeat_its_points(tmp_path):
     assert lens.outline.box == pytest.approx((-20, 20, -20, 20))
 
 
+def test_a_file_of_another_kind(tmp_path):
+    sentence_about(lambda: load(write(tmp_path, "", "notes.md")), "notes.md", ".toml")
+
+
 def test_too_few_points(tmp_path):
     write(tmp_path, sdf_text(np.zeros((4, 4)), 60, 60), "few.sdf")
     text = LENS.replace('type = "sphere"\nradius = 120.0', 'type = "grid"\nfile = "few.sdf"')

@@ -145,3 +145,17 @@ def test_failed_rays_are_counted():
     lens_map = LensMap("mean_power", "Mean", "D", np.arange(3.0), np.arange(2.0), np.zeros((2, 3)), status)
     assert build._failed(lens_map) == "20.0% missed front, 20.0% total internal reflection"
     assert build._failed(replace(lens_map, status=np.zeros((2, 3), dtype=np.int8))) == ""
+
+
+def test_progress_names_its_steps_on_a_terminal():
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    stream = Terminal()
+    progress = Progress(stream)
+    for step in ("maps", "views"):
+        progress.step(step)
+    progress.done()
+    assert "maps ..." in stream.getvalue()
+    assert re.search(r"s \(maps [0-9.]+, views [0-9.]+\)\n$", stream.getvalue())

@@ -173,9 +173,15 @@ def test_a_request_that_lacks_something(progressive, wearer, layer, lens, word):
 def test_a_lens_that_no_ray_passes(wearer):
     prism_of_50_degrees = surfaces.plane(tilt=(np.radians(50.0), 0.0))
     steep = Lens(prism_of_50_degrees, surfaces.plane(), 14.0, MATERIALS["CR-39"], circle_outline(6))
-    for layer in (MapLayer("mean_power", samples=11), ProfileLayer(), EllipseLayer(n=8), VoxelLayer(8, 8, 2)):
+    for layer in (
+        MapLayer("mean_power", samples=11),
+        ProfileLayer(),
+        EllipseLayer(n=8),
+        VoxelLayer(8, 8, 2),
+        ViewLayer(),
+    ):
         with pytest.raises(InputError, match="no line of sight"):
-            run(Request(steep, wearer, layer))
+            run(Request(steep, wearer, layer, Scene("wall", (WALL,))))
 
 
 def test_the_near_object_is_at_the_near_distance_from_the_cornea(progressive, wearer):

@@ -367,5 +367,6 @@ def _check_thickness(path: Path, lens: Lens) -> None:
 def read_grids(path: Path) -> list[PointGrid]:
     """The point grids of a surface file, one a block. Raises InputError."""
     if path.is_file() and path.suffix.lower() != ".sdf":
-        raise InputError(f"{path}: {path.suffix or 'a file without extension'} is not read; point files are .sdf")
+        kind = path.suffix or "a file without extension"
+        raise InputError(f"{path}: {kind} is not read; lens and wearer files are .toml, point files are .sdf")
     return read_sdf(path)

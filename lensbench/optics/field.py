@@ -125,7 +125,7 @@ class GazeField(ReadOnlyArrays):
 
         rule "retina": smallest rms blur on the retina; "object": smallest |M| in the Frobenius norm at the object;
         "paper": the sum of the signed semi-axes of the ellipse vanishes, interpolated between the relaxed and the
-        tensed eye (Kakimoto, Tatsukawa & Nishita 2010, eq. 12, circle of least confusion); a number or array: that many D.
+        tensed eye (our reading of Kakimoto, Tatsukawa & Nishita 2010, eq. 12); a number or array: that many D.
         """
         if not isinstance(rule, str):
             return np.broadcast_to(rule, np.broadcast_shapes(np.shape(distance), self.status.shape)).astype(float)

@@ -87,7 +87,8 @@ class Surface(ReadOnlyArrays):
         """Surface power matrices (..., 2, 2) in D at (x, y), as (index - 1) times the curvature seen from the scene.
 
         Sign as for a front surface: convex to the scene is positive; a back surface adds with the opposite sign.
-        Projected on the surface frame's x and y by the minimal rotation of the normal. Source: do Carmo 1976, sec. 3.3.
+        Projected on the surface frame's x and y by the minimal rotation of the normal.
+        Source: do Carmo 1976 (second fundamental form).
         """
         _, fx, fy, fxx, fxy, fyy = self.derivatives(x, y)
         w = np.sqrt(1 + fx**2 + fy**2)
@@ -161,7 +162,7 @@ def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, deg
 
     knots_x (nx + degree + 1,), knots_y (ny + degree + 1,): full knot vectors, mm; coefficients (ny, nx): mm, +z to the
     scene, row j belongs to knots_y. The sag need not vanish at (0, 0): it counts from the surface's vertex frame.
-    Source: de Boor 1978, ch. X.
+    Source: de Boor 1978.
     """
     c = np.asarray(coefficients, dtype=float)
     breaks_x, local_x = _local_powers(knots_x, degree)
@@ -189,7 +190,7 @@ def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float
     """Smoothing quintic B-spline through a grid of sags whose last digit was rounded, counted from its sag at (0, 0).
 
     x (nx,), y (ny,): rising, mm; sag (ny, nx): mm, +z to the scene; rounding_step q: mm. The sum of squared residuals is
-    allowed to be that of the rounding, N q^2 / 12. Source: Dierckx 1993, ch. 5.
+    allowed to be that of the rounding, N q^2 / 12. Source: Dierckx 1993.
     """
     gx, gy, z = (np.asarray(a, dtype=float) for a in (x, y, sag))
     fit = RectBivariateSpline(gy, gx, z, kx=5, ky=5, s=z.size * rounding_step**2 / 12)

@@ -2,7 +2,7 @@
 
 Each vertex is drawn at gaze + spread d, its apparent direction for the point d of the pupil; the passes over many d are
 averaged in linear light. The true distance is kept, so that what is nearer hides what is farther in every pass.
-Source: Kakimoto, Tatsukawa & Nishita 2010, sec. 6; here one pass moves all vertices in the vertex shader.
+Source: Kakimoto, Tatsukawa & Nishita 2010; here one pass moves all vertices in the vertex shader.
 """
 
 from typing import Any, NamedTuple

@@ -35,7 +35,7 @@ def refract_pencil(x0, x1, p0, p1, before, after, gamma, e, f, g):
     """Transverse rays through a surface of second fundamental form (e, f, g).
 
     Offsets keep their foot on the tangent plane; the tangential part of the momentum changes by -gamma II tau.
-    Source: generalised Coddington equations in Hamiltonian form (Walther 1995, ch. 3; domain: first order).
+    Generalised Coddington equations in Hamiltonian form: Snell's law at the displaced foot, to first order.
     """
     a, b, c, d = before
     det = 1.0 / (a * d - b * c)
