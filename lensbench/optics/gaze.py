@@ -1,19 +1,22 @@
 """From a lens and a wearer to chief rays: pose of the worn lens, grids of gaze, and the trace itself."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .conventions import Floats, Status, inverse_2x2, listing_frame, unit
+from . import kernels
+from .conventions import Floats, Status, listing_frame, unit
 from .eye import Wear, Wearer
 from .field import GazeField
-from .kernels import trace as kernel
 from .lens import Lens
 from .surfaces import Surface
 
 MOST_STEPS = 30
+CHUNK = 4096  # rays whose intermediate results stay in the processor's cache
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,13 +43,22 @@ class GazeGrid:
         return np.linspace(-half[0], half[0], self.nx), np.linspace(-half[1], half[1], self.ny)
 
     def directions(self) -> Floats:
-        """Unit vectors (ny * nx, 3), wear frame, row by row."""
-        u, v = (a.ravel() for a in np.meshgrid(*self.axes()))
-        azimuth, elevation = self.centre
-        if self.kind == "angles":
-            return direction_from_angles(azimuth + u, elevation + v)
+        """Unit vectors (ny * nx, 3), wear frame, row by row; the same read-only array for every equal grid."""
+        return _grid_directions(self)
+
+
+@lru_cache(maxsize=8)
+def _grid_directions(grid: GazeGrid) -> Floats:
+    u, v = (a.ravel() for a in np.meshgrid(*grid.axes()))
+    azimuth, elevation = grid.centre
+    if grid.kind == "angles":
+        directions = direction_from_angles(azimuth + u, elevation + v)
+    else:
         frame = listing_frame(direction_from_angles(azimuth, elevation))
-        return unit(np.stack([u, v, np.ones_like(u)], axis=-1) @ frame)
+        directions = unit(np.stack([u, v, np.ones_like(u)], axis=-1) @ frame)
+    directions = np.asfortranarray(directions)
+    directions.setflags(write=False)
+    return directions
 
 
 def direction_from_angles(azimuth: ArrayLike, elevation: ArrayLike) -> Floats:
@@ -99,19 +111,59 @@ def trace_rays(lens: Lens, wear: Wear, start: ArrayLike, direction: ArrayLike) -
 
     The transfer matrix runs from the start point to the exit point on the front surface; NaN where status is not OK.
     """
+    d = np.asarray(direction, dtype=float).reshape(-1, 3)
+    rays = _rows(6, len(d))
+    rays[:3, : len(d)] = np.broadcast_to(np.asarray(start, dtype=float), d.shape).T
+    rays[3:, : len(d)] = d.T
+    return _traced_rays(*_through(lens, wear, rays, len(d), _endless_outline()))
+
+
+def _endless_outline() -> tuple[Floats, Floats, Floats]:
+    return np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)
+
+
+def _rows(count: int, n: int) -> Floats:
+    """Uninitialised rows (count, >= n), of a width at which they do not fall on the same lines of the processor's cache."""
+    width = -(-n // 8) * 8
+    return np.empty((count, width + 8 if width % 64 == 0 else width))
+
+
+def _through(
+    lens: Lens, wear: Wear, rays: Floats, n: int, outline: tuple[Floats, ...]
+) -> tuple[Floats, NDArray[np.int8]]:
+    """The first n of the rays (6, >= n) through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
+    out, status = _rows(28, n), np.empty(n, dtype=np.int8)
     pose = worn_pose(lens, wear)
-    back = _posed(lens.back, pose, 0.0)
-    front = _posed(lens.front, pose, lens.centre_thickness)
-    d = np.ascontiguousarray(np.asarray(direction, dtype=float).reshape(-1, 3).T)
-    s = np.ascontiguousarray(np.broadcast_to(np.asarray(start, dtype=float), d.T.shape).T)
-    out, status = np.empty((25, d.shape[1])), np.empty(d.shape[1], dtype=np.int8)
-    kernel.trace_rays(back, front, lens.index, s, d, out, status)
-    return TracedRays(out[:3].T, out[3:6].T, out[6:9].T, np.moveaxis(out[9:].reshape(4, 4, -1), 2, 0), status)
+    back, front = _posed(lens.back, pose, 0.0), _posed(lens.front, pose, lens.centre_thickness)
+    for first in range(0, n, CHUNK):
+        at_back, at_front = np.empty((2, 9, min(CHUNK, n - first)))
+        _kernel(lens.back)(back, 1.0, lens.index, rays, out[:6], at_back, first)
+        _kernel(lens.front)(front, lens.index, 1.0, out[:6], out[6:12], at_front, first)
+        kernels.trace.compose(at_back, at_front, lens.index, first, out)
+    kernels.trace.finish(
+        (back, front, np.concatenate([pose.rotation.ravel(), pose.shift])), lens.index, outline, rays, out, status
+    )
+    return out, status
 
 
 def _posed(surface: Surface, pose: WornPose, height: float) -> tuple[Any, ...]:
     vertex = pose.to_wear([*surface.decentration, height])
     return *surface.shape_arrays(), np.concatenate([(pose.rotation @ surface.rotation).ravel(), vertex])
+
+
+def _kernel(surface: Surface) -> Callable[..., None]:
+    """The vectorised kernel for a surface."""
+    refract, kind = kernels.refract, surface.kind
+    if kind == kernels.surface.SPLINE:
+        return refract.compiled(refract.bicubics if surface.cells.shape[2] == 4 else refract.biquintics)
+    if kind == kernels.surface.CONIC:
+        return refract.compiled(refract.conics if surface.p[1:].any() else refract.spheres)
+    return refract.compiled(refract.torics if kind == kernels.surface.TORIC else refract.biconics)
+
+
+def _traced_rays(out: Floats, status: NDArray[np.int8]) -> TracedRays:
+    out = out[:, : status.size]
+    return TracedRays(out[:3].T, out[6:9].T, out[9:12].T, np.moveaxis(out[12:].reshape(4, 4, -1), 2, 0), status)
 
 
 def trace(lens: Lens | None, wearer: Wearer, gaze: GazeGrid | ArrayLike) -> GazeField:
@@ -121,43 +173,36 @@ def trace(lens: Lens | None, wearer: Wearer, gaze: GazeGrid | ArrayLike) -> Gaze
     """
     shape = (gaze.ny, gaze.nx) if isinstance(gaze, GazeGrid) else None
     directions = gaze.directions() if isinstance(gaze, GazeGrid) else unit(np.asarray(gaze, dtype=float).reshape(-1, 3))
-    if lens is None:
-        rays = _naked_rays(wearer, directions)
-    else:
-        rays = _within_outline(
-            lens, wearer.wear, trace_rays(lens, wearer.wear, _pupils(wearer, directions), directions)
-        )
-    return _field(lens, wearer, directions, rays, shape)
-
-
-def _pupils(wearer: Wearer, directions: Floats) -> Floats:
-    return wearer.centre_of_rotation + wearer.eye.pupil_from_rotation * directions
-
-
-def _naked_rays(wearer: Wearer, directions: Floats) -> TracedRays:
-    pupil = _pupils(wearer, directions)
-    known = np.asarray(np.isfinite(directions).all(axis=1))
-    status = np.where(known, np.int8(Status.OK), np.int8(Status.NOT_CONVERGED))
-    return TracedRays(pupil, pupil, directions, np.where(known[:, None, None], np.eye(4), np.nan), status)
-
-
-def _within_outline(lens: Lens, wear: Wear, rays: TracedRays) -> TracedRays:
-    """The rays, of which those that enter or leave beyond the lens's edge have failed."""
-    pose = worn_pose(lens, wear)
-    outside = np.zeros(len(rays.status), dtype=bool)
-    for points in (pose.to_lens(rays.entry), pose.to_lens(rays.exit)):
-        outside |= ~lens.outline.contains(points[:, 0], points[:, 1])
-    status = np.where((rays.status == Status.OK) & outside, np.int8(Status.OUTSIDE_OUTLINE), rays.status)
-    for array in (rays.entry, rays.exit, rays.direction, rays.transfer):
-        array[status != Status.OK] = np.nan
-    return rays._replace(status=status)
+    return _field(lens, wearer, directions, shape or (len(directions),))
 
 
 def _field(
-    lens: Lens | None, wearer: Wearer, directions: Floats, rays: TracedRays, shape: tuple[int, int] | None = None
+    lens: Lens | None, wearer: Wearer, directions: Floats, shape: tuple[int, ...], within_outline: bool = True
 ) -> GazeField:
+    if lens is None:
+        rays = _naked_rays(wearer, directions)
+    else:
+        outline = lens.outline.shape_arrays() if within_outline else _endless_outline()
+        rays = _traced_rays(*_through(lens, wearer.wear, _chief_rays(wearer, directions.T), len(directions), outline))
     arrays = (rays.entry, rays.exit, rays.direction, rays.transfer, rays.status)
-    return GazeField(lens, wearer, directions, *arrays, shape or (len(directions),))
+    return GazeField(lens, wearer, directions, *arrays, shape)
+
+
+def _chief_rays(wearer: Wearer, gaze: Floats) -> Floats:
+    """The rays (6, >= n) that leave the centre of the entrance pupil at gazes (3, n)."""
+    n = gaze.shape[1]
+    rays = _rows(6, n)
+    rays[3:, :n] = gaze
+    np.multiply(gaze, wearer.eye.pupil_from_rotation, out=rays[:3, :n])
+    rays[:3, :n] += wearer.centre_of_rotation[:, None]
+    return rays
+
+
+def _naked_rays(wearer: Wearer, directions: Floats) -> TracedRays:
+    pupil = wearer.centre_of_rotation + wearer.eye.pupil_from_rotation * directions
+    known = np.asarray(np.isfinite(directions).all(axis=1))
+    status = np.where(known, np.int8(Status.OK), np.int8(Status.NOT_CONVERGED))
+    return TracedRays(pupil, pupil, directions, np.where(known[:, None, None], np.eye(4), np.nan), status)
 
 
 def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline: bool = True) -> GazeField:
@@ -169,54 +214,40 @@ def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline
     as its surfaces go.
     """
     line = np.asarray(points, dtype=float).reshape(-1, 3) - wearer.centre_of_rotation
-    reach, behind = np.linalg.norm(line, axis=1), line[:, 2] <= 0
+    behind = line[:, 2] <= 0
     line[behind] = [0.0, 0.0, 1.0]
     target, gaze = wearer.centre_of_rotation + line, unit(line)
-    passed, reason = np.tile([0.0, 0.0, 1.0], (len(gaze), 1)), np.zeros(len(gaze), dtype=np.int8)
-    seeking = np.arange(len(gaze))
-    for _ in range(MOST_STEPS):
-        rays = _outgoing(lens, wearer, gaze[seeking])
-        ok = rays.status == Status.OK
-        reason[seeking] = np.where(reason[seeking] == Status.OK, rays.status, reason[seeking])
-        miss, step = _newton_step(rays, target[seeking], wearer.eye.pupil_from_rotation)
-        far = ~ok | (miss > 1e-11 * reach[seeking])
-        seeking, ok, step = seeking[far], ok[far, None], step[far]
-        passed[seeking] = np.where(ok, gaze[seeking], passed[seeking])
-        gaze[seeking] = np.where(ok, _turned(gaze[seeking], step), unit(gaze[seeking] + passed[seeking]))
-        if not seeking.size:
-            break
-    rays = _outgoing(lens, wearer, gaze)
-    miss, _ = _newton_step(rays, target, wearer.eye.pupil_from_rotation)
-    if lens is not None and within_outline:
-        rays = _within_outline(lens, wearer.wear, rays)
-    field = _field(lens, wearer, gaze, rays)
-    lost = behind | ~(miss <= 1e-9 * reach) | ~(field.distances_to(target) > -1e-6)
+    reason, lost = np.zeros(len(gaze), dtype=np.int8), behind
+    if lens is not None:
+        gaze, miss, reason = _aim(lens, wearer, target, gaze)
+        lost = behind | ~(miss <= 1e-9 * np.linalg.norm(line, axis=1))
+    field = _field(lens, wearer, gaze, (len(gaze),), within_outline)
+    lost = lost | ~(field.distances_to(target) > -1e-6)
     field = field.with_status(lost & (field.status == Status.OK), Status.NOT_CONVERGED)
     return replace(field, status=np.where(lost & (reason != Status.OK), reason, field.status))
 
 
-def _outgoing(lens: Lens | None, wearer: Wearer, directions: Floats) -> TracedRays:
-    """The chief rays of gazes (n, 3), through the lens or of the naked eye; the outline is ignored."""
-    if lens is None:
-        return _naked_rays(wearer, directions)
-    return trace_rays(lens, wearer.wear, _pupils(wearer, directions), directions)
-
-
-def _newton_step(rays: TracedRays, target: Floats, lever: float) -> tuple[Floats, Floats]:
-    """Distance (n,) by which each chief ray misses its target, mm, and the turn (n, 2) of the gaze that mends it, rad."""
-    frame = listing_frame(rays.direction)
-    local = np.einsum("nij,nj->ni", frame, target - rays.exit)
-    t = rays.transfer
-    per_distance = t[:, 2:, :2] * lever + t[:, 2:, 2:]
-    turn_to_offset = t[:, :2, :2] * lever + t[:, :2, 2:] + local[:, 2, None, None] * per_distance
-    step = np.einsum("nij,nj->ni", inverse_2x2(turn_to_offset), local[:, :2])
-    size = np.linalg.norm(step, axis=1, keepdims=True)
-    return np.linalg.norm(local[:, :2], axis=1), step * np.minimum(1.0, 0.2 / np.maximum(size, 1e-300))
-
-
-def _turned(gaze: Floats, step: Floats) -> Floats:
-    frame = listing_frame(gaze)
-    return unit(gaze + step[:, :1] * frame[:, 0] + step[:, 1:] * frame[:, 1])
+def _aim(lens: Lens, wearer: Wearer, points: Floats, straight: Floats) -> tuple[Floats, Floats, NDArray[np.int8]]:
+    """Gazes (n, 3) at the points (n, 3), from those (n, 3) straight at them; by how much each misses, mm; its first failure."""
+    target, gaze = np.ascontiguousarray(points.T), np.ascontiguousarray(straight.T)
+    enough = 1e-11 * np.linalg.norm(points - wearer.centre_of_rotation, axis=1)
+    passed = np.repeat([[0.0], [0.0], [1.0]], len(points), axis=1)
+    miss, reason = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int8)
+    seeking = np.arange(len(points))
+    for _ in range(MOST_STEPS):
+        tried = np.take(gaze, seeking, axis=1)
+        out, status = _through(lens, wearer.wear, _chief_rays(wearer, tried), seeking.size, _endless_outline())
+        turned = np.empty((4, seeking.size))
+        kernels.aim.turn(out, tried, np.take(target, seeking, axis=1), wearer.eye.pupil_from_rotation, turned)
+        miss[seeking] = turned[3]
+        reason[seeking] = np.where(reason[seeking] == Status.OK, status, reason[seeking])
+        far = ~(turned[3] <= enough[seeking])
+        seeking, ok, turned, tried = seeking[far], status[far] == Status.OK, turned[:3, far], tried[:, far]
+        if not seeking.size:
+            break
+        passed[:, seeking] = np.where(ok, tried, passed[:, seeking])
+        gaze[:, seeking] = np.where(ok, turned, unit((tried + passed[:, seeking]).T).T)
+    return gaze.T, miss, reason
 
 
 def look_through(lens: Lens, wearer: Wearer, x: ArrayLike, y: ArrayLike) -> GazeField:

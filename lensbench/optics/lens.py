@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .conventions import Floats, ReadOnlyArrays, power_matrix
+from .kernels import outline as kernel
 from .materials import Material
 from .surfaces import Surface
 
@@ -28,8 +29,15 @@ class Outline(ReadOnlyArrays):
 
     def contains(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
         """Whether points x, y (mm, lens frame) lie within the edge; False for NaN."""
-        dx, dy = np.asarray(x) - self.centre[0], np.asarray(y) - self.centre[1]
-        return np.hypot(dx, dy) <= self.radius(np.arctan2(dy, dx))
+        bx, by = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        out = np.empty(bx.size, dtype=bool)
+        px, py = (np.ascontiguousarray(a).ravel() for a in (bx, by))
+        kernel.contains(self.shape_arrays(), px, py, out)
+        return out.reshape(bx.shape)
+
+    def shape_arrays(self) -> tuple[Floats, Floats, Floats]:
+        """(limits, angles, radii) as the kernels take them."""
+        return np.array([*self.centre, self.radii.min() ** 2, self.radii.max() ** 2]), *map(np.ascontiguousarray, (self.angles, self.radii))
 
     def points(self, count: int | None = None) -> tuple[Floats, Floats]:
         """x, y of points along the edge, mm, counter-clockwise from +x: `count` of equal angles, or all that define it."""

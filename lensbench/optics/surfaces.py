@@ -9,21 +9,23 @@ from math import factorial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import BSpline, RectBivariateSpline
 
 from .conventions import Floats, ReadOnlyArrays, rotation_xy
 from .kernels import surface as kernel
 
 _NO_BREAKS = np.zeros(2)
-_NO_CELLS = np.zeros((1, 1, 6, 6))
+_NO_BINS = np.zeros(1, dtype=np.int32)
+_NO_CELLS = np.zeros((1, 1, 4, 4))
+MOST_BINS = 100_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface(ReadOnlyArrays):
     """One refracting surface and its pose in the lens.
 
-    kind and the arrays p, breaks_x, breaks_y, cells: see optics.kernels.surface.
+    kind and the arrays p, breaks_x, breaks_y, bins_x, bins_y, cells: see optics.kernels.surface.
     decentration: (x, y) of the surface's vertex in the lens, mm. tilt: (about x, about y) of its axis, rad; the turn is
     R_y R_x about the vertex. note: how the surface was understood, one line for the reader.
     """
@@ -32,6 +34,8 @@ class Surface(ReadOnlyArrays):
     p: Floats
     breaks_x: Floats = field(default_factory=lambda: _NO_BREAKS)
     breaks_y: Floats = field(default_factory=lambda: _NO_BREAKS)
+    bins_x: NDArray[np.int32] = field(default_factory=lambda: _NO_BINS)
+    bins_y: NDArray[np.int32] = field(default_factory=lambda: _NO_BINS)
     cells: Floats = field(default_factory=lambda: _NO_CELLS)
     decentration: tuple[float, float] = (0.0, 0.0)
     tilt: tuple[float, float] = (0.0, 0.0)
@@ -43,15 +47,15 @@ class Surface(ReadOnlyArrays):
         return rotation_xy(*self.tilt)
 
     def shape_arrays(self) -> tuple[Any, ...]:
-        """(kind, p, breaks_x, breaks_y, cells) as the kernels take them."""
-        return self.kind, self.p, self.breaks_x, self.breaks_y, self.cells
+        """(kind, p, breaks_x, breaks_y, bins_x, bins_y, cells) as the kernels take them."""
+        return self.kind, self.p, self.breaks_x, self.breaks_y, self.bins_x, self.bins_y, self.cells
 
     def derivatives(self, x: ArrayLike, y: ArrayLike) -> "SagDerivatives":
         """Sag and derivatives at points x, y (mm, surface frame, any shape); NaN where there is no surface."""
         bx, by = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         out = np.empty((6, bx.size))
         px, py = (np.ascontiguousarray(a).ravel() for a in (bx, by))
-        kernel.sag_at(self.kind, self.p, self.breaks_x, self.breaks_y, self.cells, px, py, out)
+        kernel.sag_at(self.shape_arrays(), px, py, out)
         return SagDerivatives(*(row.reshape(bx.shape) for row in out))
 
     def sag(self, x: ArrayLike, y: ArrayLike) -> Floats:
@@ -168,19 +172,26 @@ def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, deg
     breaks_x, local_x = _local_powers(knots_x, degree)
     breaks_y, local_y = _local_powers(knots_y, degree)
     cells = np.ascontiguousarray(np.einsum("bjn,nm,aim->jiba", local_y, c, local_x, optimize=True))
-    p = np.zeros(8)
-    shape = Surface(kernel.SPLINE, p, breaks_x, breaks_y, cells)
+    arrays = breaks_x, breaks_y, _bins(breaks_x), _bins(breaks_y), cells
+    shape = Surface(kernel.SPLINE, np.zeros(8), *arrays)
     _, _, _, fxx, _, fyy = shape.derivatives((breaks_x[0] + breaks_x[-1]) / 2, (breaks_y[0] + breaks_y[-1]) / 2)
-    p[0] = -(fxx + fyy) / 2
-    return Surface(kernel.SPLINE, p, breaks_x, breaks_y, cells, **pose)
+    return Surface(kernel.SPLINE, np.array([-(fxx + fyy) / 2, *[0.0] * 7]), *arrays, **pose)
+
+
+def _bins(breaks: Floats) -> NDArray[np.int32]:
+    """The cell at the lower end of each of equal bins, so many that, up to MOST_BINS, none holds two breakpoints."""
+    span = breaks[-1] - breaks[0]
+    count = int(min(np.ceil(1.001 * span / np.diff(breaks).min()), MOST_BINS))
+    ends = breaks[0] + span / count * np.arange(count)
+    return np.clip(np.searchsorted(breaks, ends, side="right") - 1, 0, breaks.size - 2).astype(np.int32)
 
 
 def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, Floats]:
-    """Breakpoints (k + 1,) and Taylor coefficients (6, k, n) of the n basis functions at the left end of each cell."""
+    """Breakpoints (k + 1,) and Taylor coefficients (4 or 6, k, n) of the n basis functions at the left end of each cell."""
     t = np.asarray(knots, dtype=float)
     basis = BSpline(t, np.eye(t.size - degree - 1), degree)
     breaks = np.unique(t[degree : t.size - degree])
-    powers = np.zeros((6, breaks.size - 1, t.size - degree - 1))
+    powers = np.zeros((4 if degree <= 3 else 6, breaks.size - 1, t.size - degree - 1))
     for m in range(degree + 1):
         powers[m] = basis.derivative(m)(breaks[:-1]) / factorial(m) if m else basis(breaks[:-1])
     return breaks, powers

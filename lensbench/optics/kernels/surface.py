@@ -1,12 +1,16 @@
-"""Sag and its derivatives for every surface kind, and where a ray meets a surface. Surface frame, mm.
+"""Sag and its derivatives for every surface kind, and where one ray meets a surface. Surface frame, mm.
 
-A surface is four plain arrays: kind (int), p (8 parameters), breaks_x and breaks_y (breakpoints of the spline cells, mm)
-and cells (ny, nx, 6, 6): cells[j, i, b, a] multiplies (y - breaks_y[j])^b (x - breaks_x[i])^a.
+A surface is its kind (int) and plain arrays: p (8 parameters), breaks_x and breaks_y (breakpoints of the spline cells,
+mm), bins_x and bins_y (cell at the lower end of each of equal bins between the first and the last breakpoint) and cells
+(ny, nx, k, k), k = 4 up to degree 3 and 6 above: cells[j, i, b, a] multiplies (y - breaks_y[j])^b (x - breaks_x[i])^a.
 Parameters p by kind, curvatures in 1/mm, positive with the centre of curvature on the eye's side (depth = -sag):
     CONIC    c, k, a4, a6, a8, a10, a12, a14 : depth = c q / (1 + sqrt(1 - (1+k) c^2 q)) + a4 q^2 + ...,  q = x^2 + y^2
     TORIC    ca, cb, cos, sin : arc of curvature ca along the axis meridian, turned about a line at the radius 1/cb
     BICONIC  ca, cb, cos, sin, ka, kb : biconic with the first pair along the axis meridian
     SPLINE   c0 : curvature of the sphere from which the search for the intersection starts
+
+Functions that are inlined into a loop over rays are straight-line code on numbers and flat tuples of them: with that LLVM
+vectorises the loop. A tuple within a tuple is enough to stop it: numba then takes the arrays for overlapping ones.
 """
 
 import math
@@ -18,40 +22,45 @@ MAX_STEPS = 50
 
 VECTOR = nb.types.Array(nb.float64, 1, "C", readonly=True)
 MATRIX = nb.types.Array(nb.float64, 2, "C", readonly=True)
+BINS = nb.types.Array(nb.int32, 1, "C", readonly=True)
 CELLS = nb.types.Array(nb.float64, 4, "C", readonly=True)
+SHAPE = nb.types.Tuple((nb.int64, VECTOR, VECTOR, VECTOR, BINS, BINS, CELLS))
 
 FASTMATH = {"contract", "nsz"}  # what leaves NaN and infinity alone
 inline = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH, forceinline=True)
+called = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH)
+
+
+@inline
+def eight(p):
+    """The parameters as a tuple of numbers."""
+    return p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]
 
 
 @inline
 def conic(p, x, y):
     """Rotationally symmetric conic with even asphere terms: (f, fx, fy, fxx, fxy, fyy) of the sag."""
-    c, q = p[0], x * x + y * y
-    root = math.sqrt(1 - (1 + p[1]) * c * c * q)
-    depth, first, second = c * q / (1 + root), c / (2 * root), (1 + p[1]) * c * c * c / (4 * root * root * root)
-    power = 1.0
-    for j in range(6):
-        a, m = p[2 + j], j + 2
-        second += m * (m - 1) * a * power
-        first += m * a * power * q
-        depth += a * power * q * q
-        power *= q
-    mixed = -4 * x * y * second
+    c, k, a4, a6, a8, a10, a12, a14 = p
+    q = x * x + y * y
+    root = math.sqrt(1 - (1 + k) * c * c * q)
+    depth = c * q / (1 + root) + q * q * (a4 + q * (a6 + q * (a8 + q * (a10 + q * (a12 + q * a14)))))
+    first = c / (2 * root) + q * (2 * a4 + q * (3 * a6 + q * (4 * a8 + q * (5 * a10 + q * (6 * a12 + q * 7 * a14)))))
+    second = (1 + k) * c * c * c / (4 * root * root * root)
+    second += 2 * a4 + q * (6 * a6 + q * (12 * a8 + q * (20 * a10 + q * (30 * a12 + q * 42 * a14))))
+    straight = -2 * first
     return (
         -depth,
-        -2 * x * first,
-        -2 * y * first,
-        -2 * first - 4 * x * x * second,
-        mixed,
-        -2 * first - 4 * y * y * second,
+        straight * x,
+        straight * y,
+        straight - 4 * x * x * second,
+        -4 * x * y * second,
+        straight - 4 * y * y * second,
     )
 
 
 @inline
-def turned(p, fu, fv, fuu, fuv, fvv):
-    """Derivatives along (u, v) = (axis meridian, across it) carried to (x, y)."""
-    c, s = p[2], p[3]
+def turned(c, s, fu, fv, fuu, fuv, fvv):
+    """Derivatives along (u, v) = (axis meridian at the angle of cosine c and sine s, across it) carried to (x, y)."""
     fxx = c * c * fuu - 2 * c * s * fuv + s * s * fvv
     fxy = c * s * (fuu - fvv) + (c * c - s * s) * fuv
     fyy = s * s * fuu + 2 * c * s * fuv + c * c * fvv
@@ -70,7 +79,7 @@ def toric(p, x, y):
     du, dv = w * g1 / r, cb * v / r
     duu = (w * g2 - cb * g1 * g1 + cb * du * du) / r
     duv, dvv = cb * du * dv / r, cb * (1 + dv * dv) / r
-    fx, fy, fxx, fxy, fyy = turned(p, -du, -dv, -duu, -duv, -dvv)
+    fx, fy, fxx, fxy, fyy = turned(p[2], p[3], -du, -dv, -duu, -duv, -dvv)
     return -(g + cb * v * v / (w + r)), fx, fy, fxx, fxy, fyy
 
 
@@ -89,32 +98,36 @@ def biconic(p, x, y):
     duu = (2 * ca - 2 * du * ru - depth * ruu) * h
     duv = (-du * rv - dv * ru - depth * ruv) * h
     dvv = (2 * cb - 2 * dv * rv - depth * rvv) * h
-    fx, fy, fxx, fxy, fyy = turned(p, -du, -dv, -duu, -duv, -dvv)
+    fx, fy, fxx, fxy, fyy = turned(p[2], p[3], -du, -dv, -duu, -duv, -dvv)
     return -depth, fx, fy, fxx, fxy, fyy
 
 
 @inline
-def find_cell(breaks, x):
+def bin_of(breaks, count, x):
+    """Index of the bin of x; the first or last bin outside the breakpoints."""
+    return min(max(int((x - breaks[0]) * (count / (breaks[-1] - breaks[0]))), 0), count - 1)
+
+
+@called
+def find_cell(breaks, bins, x):
     """Index of the cell of x; the first or last cell outside the breakpoints."""
-    low, high = 0, breaks.size - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x < breaks[middle]:
-            high = middle
-        else:
-            low = middle
-    return low
+    cell = bins[bin_of(breaks, bins.size, x)]
+    while cell < breaks.size - 2 and x >= breaks[cell + 1]:
+        cell += 1
+    while cell > 0 and x < breaks[cell]:
+        cell -= 1
+    return cell
 
 
-@inline
-def spline(breaks_x, breaks_y, cells, x, y):
+@called
+def spline(breaks_x, breaks_y, bins_x, bins_y, cells, x, y):
     """Tensor spline in its local polynomials: (f, fx, fy, fxx, fxy, fyy) of the sag."""
-    i, j = find_cell(breaks_x, x), find_cell(breaks_y, y)
+    i, j = find_cell(breaks_x, bins_x, x), find_cell(breaks_y, bins_y, y)
     s, t = x - breaks_x[i], y - breaks_y[j]
     f = fx = fxx = fy = fxy = fyy = 0.0
-    for b in range(5, -1, -1):
+    for b in range(cells.shape[2] - 1, -1, -1):
         c, cx, cxx = 0.0, 0.0, 0.0
-        for a in range(5, -1, -1):
+        for a in range(cells.shape[3] - 1, -1, -1):
             cxx = cxx * s + 2 * cx
             cx = cx * s + c
             c = c * s + cells[j, i, b, a]
@@ -127,25 +140,26 @@ def spline(breaks_x, breaks_y, cells, x, y):
     return f, fx, fy, fxx, fxy, fyy
 
 
-@inline
-def sag(kind, p, breaks_x, breaks_y, cells, x, y):
+@called
+def sag(shape, x, y):
     """(f, fx, fy, fxx, fxy, fyy) of the sag at (x, y); NaN where the surface does not exist."""
+    kind, p, breaks_x, breaks_y, bins_x, bins_y, cells = shape
     if kind == CONIC:
-        return conic(p, x, y)
+        return conic(eight(p), x, y)
     if kind == TORIC:
         return toric(p, x, y)
     if kind == BICONIC:
         return biconic(p, x, y)
-    return spline(breaks_x, breaks_y, cells, x, y)
+    return spline(breaks_x, breaks_y, bins_x, bins_y, cells, x, y)
 
 
-@inline
+@called
 def start_curvature(kind, p):
     """Curvature of the sphere at the vertex that stands in for the surface when a search starts, 1/mm."""
     return 0.5 * (p[0] + p[1]) if kind in (TORIC, BICONIC) else p[0]
 
 
-@inline
+@called
 def to_start_sphere(c, x, y, z, dx, dy, dz):
     """Distance along the ray to the sphere (or plane) of curvature c through the vertex; to the plane if it misses."""
     b = c * (x * dx + y * dy + z * dz) + dz
@@ -157,29 +171,30 @@ def to_start_sphere(c, x, y, z, dx, dy, dz):
     return -e / (b + root) if b >= 0 else (root - b) / c
 
 
-@inline
-def inside_domain(kind, breaks_x, breaks_y, x, y):
+@called
+def inside_domain(shape, x, y):
     """Whether the surface is defined at (x, y): only splines end."""
+    kind, breaks_x, breaks_y = shape[0], shape[2], shape[3]
     if kind != SPLINE:
         return True
     return breaks_x[0] <= x <= breaks_x[-1] and breaks_y[0] <= y <= breaks_y[-1]
 
 
-@inline
-def intersect(kind, p, breaks_x, breaks_y, cells, x, y, z, dx, dy, dz):
+@called
+def intersect(shape, x, y, z, dx, dy, dz):
     """Distance t (mm) along the ray to the surface, and a verdict: 0 met, 1 missed, 2 not converged.
 
     Newton's method on z - f(x, y), kept between the farthest point known to lie before the surface and the nearest one
     known to lie behind it or beyond its rim; where it would leave them, the interval is halved.
     """
-    t = to_start_sphere(start_curvature(kind, p), x, y, z, dx, dy, dz)
+    t = to_start_sphere(start_curvature(shape[0], shape[1]), x, y, z, dx, dy, dz)
     before, behind, left = 0.0, math.inf, False
     for _ in range(MAX_STEPS):
-        f, fx, fy, _xx, _xy, _yy = sag(kind, p, breaks_x, breaks_y, cells, x + t * dx, y + t * dy)
+        f, fx, fy, _xx, _xy, _yy = sag(shape, x + t * dx, y + t * dy)
         error = z + t * dz - f
         wanted = t - error / (dz - fx * dx - fy * dy)
         if abs(error) < 1e-8 and math.isfinite(wanted):
-            return wanted, 0 if inside_domain(kind, breaks_x, breaks_y, x + wanted * dx, y + wanted * dy) else 1
+            return wanted, 0 if inside_domain(shape, x + wanted * dx, y + wanted * dy) else 1
         if error < 0:
             before = max(before, t)
         else:
@@ -188,19 +203,19 @@ def intersect(kind, p, breaks_x, breaks_y, cells, x, y, z, dx, dy, dz):
         if not before < wanted < behind:
             wanted = 0.5 * (before + behind) if behind < math.inf else before + 10.0
         t = wanted
-    inside = inside_domain(kind, breaks_x, breaks_y, x + t * dx, y + t * dy)
+    inside = inside_domain(shape, x + t * dx, y + t * dy)
     return math.nan, 1 if left or not inside else 2
 
 
 @nb.njit(
-    nb.void(nb.int64, VECTOR, VECTOR, VECTOR, CELLS, VECTOR, VECTOR, nb.float64[:, ::1]),
+    nb.void(SHAPE, VECTOR, VECTOR, nb.float64[:, ::1]),
     nogil=True, cache=True, parallel=True, error_model="numpy",
 )  # fmt: skip
-def sag_at(kind, p, breaks_x, breaks_y, cells, x, y, out):
+def sag_at(shape, x, y, out):
     """Fill out (6, n) with f, fx, fy, fxx, fxy, fyy at the points x, y (n,); NaN outside the domain."""
     for i in nb.prange(x.size):
-        if inside_domain(kind, breaks_x, breaks_y, x[i], y[i]):
-            d = sag(kind, p, breaks_x, breaks_y, cells, x[i], y[i])
+        if inside_domain(shape, x[i], y[i]):
+            d = sag(shape, x[i], y[i])
             for k in range(6):
                 out[k, i] = d[k]
         else:
