@@ -16,8 +16,9 @@ from lensbench.optics.conventions import Status, mean_power
 from lensbench.optics.gaze import look_through
 from lensbench.optics.lens import Lens, Order, circle_outline
 from lensbench.optics.materials import MATERIALS
+from lensbench.quantities import QUANTITIES
 from lensbench.scenes.scene import Part, Scene
-from lensbench.workbench import QUANTITIES, assumed_wearer, look, run
+from lensbench.workbench import assumed_wearer, look, run
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
 WALL = Part(

@@ -37,7 +37,8 @@ class Outline(ReadOnlyArrays):
 
     def shape_arrays(self) -> tuple[Floats, Floats, Floats]:
         """(limits, angles, radii) as the kernels take them."""
-        return np.array([*self.centre, self.radii.min() ** 2, self.radii.max() ** 2]), *map(np.ascontiguousarray, (self.angles, self.radii))
+        limits = np.array([*self.centre, self.radii.min() ** 2, self.radii.max() ** 2])
+        return limits, np.ascontiguousarray(self.angles), np.ascontiguousarray(self.radii)
 
     def points(self, count: int | None = None) -> tuple[Floats, Floats]:
         """x, y of points along the edge, mm, counter-clockwise from +x: `count` of equal angles, or all that define it."""

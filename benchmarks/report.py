@@ -1,0 +1,25 @@
+"""A whole report, by step."""
+
+import os
+import tempfile
+from pathlib import Path
+
+import lensbench as lb
+
+from .timing import ROOT
+
+
+def report_split() -> dict[str, float]:
+    """A whole report of the regular sample lens, warm: seconds by step."""
+    from lensbench.report.build import DEFAULT_DISTANCES, build_report
+    from lensbench.report.progress import Progress
+
+    lens = lb.load_lens(ROOT / "sample_lenses" / "regular_R.toml")
+    wearer = lb.load_wearer(ROOT / "sample_lenses" / "presbyope_60.toml")
+    with tempfile.TemporaryDirectory() as folder, open(os.devnull, "w") as nowhere:
+        build_report(lens, wearer, Path(folder), DEFAULT_DISTANCES, Progress(nowhere))
+        progress = Progress(nowhere)
+        build_report(lens, wearer, Path(folder), DEFAULT_DISTANCES, progress)
+        progress.done()
+    split = {f"report: {name}, s": seconds for name, seconds in progress.seconds.items()}
+    return split | {"report: total, s": sum(progress.seconds.values())}

@@ -1,0 +1,125 @@
+"""lensbench map, eoc, voxels: what one lens does, as pictures and numbers."""
+
+import argparse
+import math
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .options import (
+    accommodation,
+    accommodation_option,
+    add_verb,
+    built_in_scene,
+    count,
+    deliver,
+    depth,
+    distance_or_scene,
+    kind_of,
+    lens_and_wearer,
+    load_case,
+    output_option,
+    write,
+)
+
+if TYPE_CHECKING:
+    from ..optics.eye import Wearer
+    from ..optics.lens import Lens
+
+
+def add_verbs(verbs: Any) -> None:
+    """Add this group's verbs."""
+    _add_map(verbs)
+    _add_eoc(verbs)
+    _add_voxels(verbs)
+
+
+def _add_map(verbs: Any) -> None:
+    verb = add_verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV or JSON")
+    lens_and_wearer(verb)
+    verb.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
+    verb.add_argument("-d", "--distance", type=distance_or_scene, default=math.inf, help="40cm, 6m, inf or scene")
+    verb.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
+    accommodation_option(verb)
+    output_option(verb, "map.png")
+
+
+def _add_eoc(verbs: Any) -> None:
+    verb = add_verb(verbs, "eoc", write_ellipses, "ellipses of confusion at chosen depths, as PNG, SVG, CSV or JSON")
+    lens_and_wearer(verb)
+    verb.add_argument("--depths", type=depth, nargs="+", default=[270.0, 780.0, 3400.0], help="(27cm 78cm 340cm)")
+    verb.add_argument("-n", type=count, default=32, help="ellipses along each side (32)")
+    accommodation_option(verb)
+    output_option(verb, "eoc.png")
+
+
+def _add_voxels(verbs: Any) -> None:
+    verb = add_verb(verbs, "voxels", write_voxels, "the blur field of a view frustum, a matrix a voxel, as .npz")
+    lens_and_wearer(verb)
+    verb.add_argument("-n", type=count, nargs=3, default=[64, 64, 64], metavar=("NX", "NY", "NZ"), help="(64 64 64)")
+    verb.add_argument("--near", type=depth, default=200.0, help="nearest plane (20cm)")
+    verb.add_argument("--far", type=depth, default=10000.0, help="farthest plane (10m)")
+    accommodation_option(verb)
+    verb.add_argument(
+        "-o", "--output", type=Path, default=Path("blur_field.npz"), metavar="FILE", help="(blur_field.npz)"
+    )
+
+
+def write_map(args: argparse.Namespace) -> None:
+    """lensbench map LENS."""
+    from ..layers import MapLayer, Request
+    from ..report.tables import map_csv, map_numbers
+    from ..workbench import run
+
+    kind = kind_of(args.output, *([".png"] if args.on_lens else [".png", ".svg", ".csv", ".json"]))
+    lens, wearer = load_case(args)
+    scene = built_in_scene() if args.distance == "scene" else None
+    layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))
+    result = run(Request(lens, wearer, layer, scene))
+    picture = partial(_map_picture, args, lens, wearer, result)
+    deliver(args, kind, map_numbers(result), partial(map_csv, result), picture)
+
+
+def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> Any:
+    from ..report.tables import distance_text
+
+    subtitle = distance_text(args.distance)
+    if args.on_lens:
+        from ..views.lens3d import map_on_lens
+
+        return map_on_lens(lens, wearer, result, subtitle=subtitle)
+    from ..views.maps import map_figure
+
+    return map_figure(lens, result, subtitle=subtitle)
+
+
+def write_ellipses(args: argparse.Namespace) -> None:
+    """lensbench eoc LENS."""
+    from ..layers import EllipseLayer, Request
+    from ..report.tables import ellipse_rows, ellipses_csv
+    from ..workbench import run
+
+    kind = kind_of(args.output, ".png", ".svg", ".csv", ".json")
+    lens, wearer = load_case(args)
+    layer = EllipseLayer(tuple(args.depths), args.n, accommodation=accommodation(args.accommodation))
+    sheets = run(Request(lens, wearer, layer))
+    picture = partial(_ellipse_picture, lens, wearer, sheets)
+    deliver(args, kind, ellipse_rows(sheets), partial(ellipses_csv, sheets), picture)
+
+
+def _ellipse_picture(lens: "Lens", wearer: "Wearer", sheets: Any) -> Any:
+    from ..views.ellipses import ellipse_figure
+
+    return ellipse_figure(lens, wearer, sheets)
+
+
+def write_voxels(args: argparse.Namespace) -> None:
+    """lensbench voxels LENS."""
+    from ..layers import Request, VoxelLayer
+    from ..report.tables import voxels_npz
+    from ..workbench import run
+
+    kind_of(args.output, ".npz")
+    lens, wearer = load_case(args)
+    layer = VoxelLayer(*args.n, args.near, args.far, accommodation=accommodation(args.accommodation))
+    write(args.output, voxels_npz(run(Request(lens, wearer, layer))))

@@ -1,0 +1,167 @@
+"""What several verbs share: values with units, options, loading a case, writing an answer."""
+
+import argparse
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError
+
+if TYPE_CHECKING:
+    from ..optics.eye import Wearer
+    from ..optics.lens import Lens
+    from ..scenes.scene import Scene
+
+UNITS_IN_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+
+# ---- options ----
+
+
+def add_verb(verbs: Any, name: str, run: Any, summary: str) -> argparse.ArgumentParser:
+    """A verb with its function."""
+    verb: argparse.ArgumentParser = verbs.add_parser(name, help=summary, description=summary, allow_abbrev=False)
+    verb.set_defaults(run=run)
+    return verb
+
+
+def lens_and_wearer(verb: argparse.ArgumentParser) -> None:
+    """The lens file and the wearer file."""
+    verb.add_argument("lens", type=Path, help="lens file (.toml)")
+    verb.add_argument(
+        "-w", "--wearer", type=Path, help="wearer file (.toml); assumed from the lens's order if not given"
+    )
+
+
+def accommodation_option(verb: argparse.ArgumentParser) -> None:
+    """--accommodation."""
+    verb.add_argument("--accommodation", default="retina", help="rule: retina, object or paper; or dioptres")
+
+
+def output_option(verb: argparse.ArgumentParser, default: str) -> None:
+    """-o and --json."""
+    verb.add_argument("-o", "--output", type=Path, default=Path(default), metavar="FILE", help=f"({default})")
+    verb.add_argument("--json", action="store_true", help="numbers to standard output instead of a file")
+
+
+# ---- values ----
+
+
+def distance(text: str) -> float:
+    """A distance with its unit, in mm: 40cm, 0.4m, 400mm or inf."""
+    if text.lower() in ("inf", "infinity"):
+        return math.inf
+    match = re.fullmatch(r"([0-9]*\.?[0-9]+)\s*(mm|cm|m)", text.strip())
+    if match is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is no distance; write it with its unit: 40cm, 0.4m, 400mm, or inf")
+    value = float(match[1]) * UNITS_IN_MM[match[2]]
+    if not 10 <= value <= 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is no object distance; it must be 1cm to 1000km, or inf")
+    return value
+
+
+def depth(text: str) -> float:
+    """A finite distance with its unit, in mm."""
+    value = distance(text)
+    if math.isinf(value):
+        raise argparse.ArgumentTypeError("a depth must be finite: 27cm, 6m")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number from 1 to 512."""
+    if not text.isdecimal() or not 1 <= int(text) <= 512:
+        raise argparse.ArgumentTypeError(f"{text!r} is no count; write a whole number from 1 to 512")
+    return int(text)
+
+
+def gaze_angle(text: str) -> float:
+    """An angle of gaze in degrees, within 80 of straight ahead."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= 80:
+        raise argparse.ArgumentTypeError(f"{text!r} is no angle of gaze; write degrees from -80 to 80")
+    return value
+
+
+def distance_or_scene(text: str) -> float | str:
+    """A distance, or "scene" for whatever each ray meets in the built-in scene."""
+    return "scene" if text == "scene" else distance(text)
+
+
+def accommodation(text: str) -> float | str:
+    """An accommodation rule's name, or dioptres."""
+    from ..optics.field import ACCOMMODATION_RULES
+
+    if text in ACCOMMODATION_RULES:
+        return text
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value <= 20:
+        raise InputError(f"--accommodation: {text!r} is none of {', '.join(ACCOMMODATION_RULES)}, nor 0 to 20 dioptres")
+    return value
+
+
+# ---- loading and writing ----
+
+
+def built_in_scene() -> "Scene":
+    """The room."""
+    from ..scenes.builtin import load_scene
+
+    return load_scene("room")
+
+
+def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
+    """The lens and its wearer."""
+    from ..formats import load_lens, load_wearer
+    from ..workbench import assumed_wearer
+
+    lens = load_lens(args.lens)
+    return lens, load_wearer(args.wearer) if args.wearer else assumed_wearer(lens)
+
+
+def kind_of(path: Path, *allowed: str) -> str:
+    """The extension of an output file, in lower case. Raises InputError when it is not allowed."""
+    if path.suffix.lower() not in allowed:
+        raise InputError(
+            f"{path}: cannot write {path.suffix or 'a file without extension'}; name one of {', '.join(allowed)}"
+        )
+    return path.suffix.lower()
+
+
+def write(path: Path, content: str | bytes) -> None:
+    """Write a file and say its name."""
+    from ..output import write_file
+
+    write_file(path, content)
+    print(path)
+
+
+def write_picture(path: Path, picture: Any) -> None:
+    """Write a picture and say its name."""
+    from ..views.maps import save_picture
+
+    save_picture(picture, path)
+    print(path)
+
+
+def deliver(
+    args: argparse.Namespace, kind: str, numbers: Any, table: Callable[[], str], picture: Callable[[], Any]
+) -> None:
+    """Print the numbers as JSON if asked to; else write the file in the kind that its name says."""
+    from ..output import to_json
+
+    if args.json:
+        print(to_json(numbers))
+    elif kind == ".json":
+        write(args.output, to_json(numbers))
+    elif kind == ".csv":
+        write(args.output, table())
+    else:
+        write_picture(args.output, picture())

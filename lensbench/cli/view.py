@@ -1,0 +1,53 @@
+"""lensbench view: what the wearer sees."""
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from .options import (
+    accommodation,
+    accommodation_option,
+    add_verb,
+    built_in_scene,
+    count,
+    gaze_angle,
+    kind_of,
+    lens_and_wearer,
+    load_case,
+    write_picture,
+)
+
+
+def add_verbs(verbs: Any) -> None:
+    """Add this group's verbs."""
+    verb = add_verb(verbs, "view", write_view, "what the wearer sees of the built-in scene, as PNG")
+    lens_and_wearer(verb)
+    verb.add_argument(
+        "--look", choices=["far", "intermediate", "near"], default="far", help="gaze at the picture's centre"
+    )
+    verb.add_argument("--gaze", type=gaze_angle, nargs=2, metavar=("AZ", "EL"), help="the same in degrees, left and up")
+    verb.add_argument("--eye", choices=["lens", "naked", "pinhole"], default="lens")
+    verb.add_argument("--size", type=int, nargs=2, default=(960, 720), metavar=("W", "H"))
+    verb.add_argument("--fov", type=float, default=50.0, help="horizontal field of view, degrees (50)")
+    verb.add_argument("--passes", type=count, default=48, help="pictures blended for the blur (48)")
+    accommodation_option(verb)
+    verb.add_argument("-o", "--output", type=Path, default=Path("view.png"), metavar="FILE", help="(view.png)")
+
+
+def write_view(args: argparse.Namespace) -> None:
+    """lensbench view LENS."""
+    from ..layers import Request, ViewLayer
+    from ..views.jitter import render_view
+    from ..workbench import look, run
+
+    kind_of(args.output, ".png")
+    if not 5 <= args.fov <= 120 or min(args.size) < 16 or max(args.size) > 8192:
+        raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels")
+    lens, wearer = load_case(args)
+    gaze = tuple(map(math.radians, args.gaze)) if args.gaze else look(args.look, lens, wearer)
+    rule = accommodation(args.accommodation)
+    layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
+    seen = run(Request(lens, wearer, layer, built_in_scene()))
+    write_picture(args.output, render_view(seen, args.passes))
