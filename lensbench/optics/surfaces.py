@@ -172,13 +172,13 @@ def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, deg
     breaks_x, local_x = _local_powers(knots_x, degree)
     breaks_y, local_y = _local_powers(knots_y, degree)
     cells = np.ascontiguousarray(np.einsum("bjn,nm,aim->jiba", local_y, c, local_x, optimize=True))
-    arrays = breaks_x, breaks_y, _bins(breaks_x), _bins(breaks_y), cells
+    arrays = breaks_x, breaks_y, bins_of(breaks_x), bins_of(breaks_y), cells
     shape = Surface(kernel.SPLINE, np.zeros(8), *arrays)
     _, _, _, fxx, _, fyy = shape.derivatives((breaks_x[0] + breaks_x[-1]) / 2, (breaks_y[0] + breaks_y[-1]) / 2)
     return Surface(kernel.SPLINE, np.array([-(fxx + fyy) / 2, *[0.0] * 7]), *arrays, **pose)
 
 
-def _bins(breaks: Floats) -> NDArray[np.int32]:
+def bins_of(breaks: Floats) -> NDArray[np.int32]:
     """The cell at the lower end of each of equal bins, so many that, up to MOST_BINS, none holds two breakpoints."""
     span = breaks[-1] - breaks[0]
     count = int(min(np.ceil(1.001 * span / np.diff(breaks).min()), MOST_BINS))

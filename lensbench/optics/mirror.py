@@ -1,0 +1,78 @@
+"""The left lens of a right one, and the other way round: everything mirrored in the wearer's midplane (x to -x)."""
+
+from dataclasses import replace
+from math import comb
+
+import numpy as np
+
+from .conventions import Floats
+from .eye import Eye, Wear, Wearer
+from .kernels import surface as kernel
+from .lens import Lens, Order, Outline, Points
+from .surfaces import Surface, bins_of
+
+
+def mirrored(lens: Lens) -> Lens:
+    """The lens mirrored: sides, axes (180 - axis), bases, reference points, outline, tilts and decentrations change over."""
+    return replace(
+        lens,
+        front=mirrored_surface(lens.front),
+        back=mirrored_surface(lens.back),
+        outline=mirrored_outline(lens.outline),
+        side="L" if lens.side == "R" else "R",
+        points=_mirrored_points(lens.points),
+        ordered=None if lens.ordered is None else mirrored_order(lens.ordered),
+    )
+
+
+def mirrored_wearer(wearer: Wearer) -> Wearer:
+    """The same face's other eye, mirrored: the axis of the refraction and the decentration change over."""
+    refraction = wearer.eye.refraction * np.array([[1, -1], [-1, 1]])
+    eye: Eye = replace(wearer.eye, refraction=refraction)
+    dx, dy = wearer.wear.decentration
+    wear: Wear = replace(wearer.wear, decentration=(-dx, dy))
+    return replace(wearer, eye=eye, wear=wear)
+
+
+def mirrored_surface(surface: Surface) -> Surface:
+    """The surface mirrored: sag f(-x, y), its vertex and its axis on the other side."""
+    (dx, dy), (about_x, about_y) = surface.decentration, surface.tilt
+    pose = {"decentration": (-dx, dy), "tilt": (about_x, -about_y)}
+    if surface.kind == kernel.SPLINE:
+        return _mirrored_spline(surface, **pose)
+    p = surface.p.copy()
+    if surface.kind in (kernel.TORIC, kernel.BICONIC):
+        p[2] = -p[2]
+    return replace(surface, p=p, **pose)
+
+
+def _mirrored_spline(surface: Surface, **pose: tuple[float, float]) -> Surface:
+    """Each cell's powers of u = x - x_left become powers of u' = h - u, counted from its other end."""
+    breaks = -surface.breaks_x[::-1]
+    width, count = np.diff(surface.breaks_x), surface.cells.shape[3]
+    turn = np.zeros((width.size, count, count))
+    for a in range(count):
+        for k in range(a + 1):
+            turn[:, a, k] = comb(a, k) * (-1) ** k * width ** (a - k)
+    cells = np.einsum("jiba,iak->jibk", surface.cells, turn)[:, ::-1]
+    note = f"{surface.note}; mirrored" if surface.note else ""
+    return replace(
+        surface, breaks_x=breaks, bins_x=bins_of(breaks), cells=np.ascontiguousarray(cells), note=note, **pose
+    )  # fmt: skip
+
+
+def mirrored_outline(outline: Outline) -> Outline:
+    """The edge mirrored."""
+    angles: Floats = (np.pi - outline.angles) % (2 * np.pi)
+    order = np.argsort(angles)
+    return Outline((-outline.centre[0], outline.centre[1]), angles[order], outline.radii[order])
+
+
+def _mirrored_points(points: Points) -> Points:
+    return replace(points, **{name: (-x, y) for name, (x, y) in points.named().items()})
+
+
+def mirrored_order(order: Order) -> Order:
+    """The order mirrored: axis to 180 - axis, base to 180 - base."""
+    axis = (180 - order.axis) % 180 or 180.0
+    return replace(order, axis=axis, prism_base=(180 - order.prism_base) % 360)
