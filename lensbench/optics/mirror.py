@@ -37,16 +37,16 @@ def mirrored_wearer(wearer: Wearer) -> Wearer:
 def mirrored_surface(surface: Surface) -> Surface:
     """The surface mirrored: sag f(-x, y), its vertex and its axis on the other side."""
     (dx, dy), (about_x, about_y) = surface.decentration, surface.tilt
-    pose = {"decentration": (-dx, dy), "tilt": (about_x, -about_y)}
+    posed = replace(surface, decentration=(-dx, dy), tilt=(about_x, -about_y))
     if surface.kind == kernel.SPLINE:
-        return _mirrored_spline(surface, **pose)
+        return _mirrored_spline(posed)
     p = surface.p.copy()
     if surface.kind in (kernel.TORIC, kernel.BICONIC):
         p[2] = -p[2]
-    return replace(surface, p=p, **pose)
+    return replace(posed, p=p)
 
 
-def _mirrored_spline(surface: Surface, **pose: tuple[float, float]) -> Surface:
+def _mirrored_spline(surface: Surface) -> Surface:
     """Each cell's powers of u = x - x_left become powers of u' = h - u, counted from its other end."""
     breaks = -surface.breaks_x[::-1]
     width, count = np.diff(surface.breaks_x), surface.cells.shape[3]
@@ -54,11 +54,9 @@ def _mirrored_spline(surface: Surface, **pose: tuple[float, float]) -> Surface:
     for a in range(count):
         for k in range(a + 1):
             turn[:, a, k] = comb(a, k) * (-1) ** k * width ** (a - k)
-    cells = np.einsum("jiba,iak->jibk", surface.cells, turn)[:, ::-1]
+    cells = np.ascontiguousarray(np.einsum("jiba,iak->jibk", surface.cells, turn)[:, ::-1])
     note = f"{surface.note}; mirrored" if surface.note else ""
-    return replace(
-        surface, breaks_x=breaks, bins_x=bins_of(breaks), cells=np.ascontiguousarray(cells), note=note, **pose
-    )  # fmt: skip
+    return replace(surface, breaks_x=breaks, bins_x=bins_of(breaks), cells=cells, note=note)
 
 
 def mirrored_outline(outline: Outline) -> Outline:
@@ -69,7 +67,8 @@ def mirrored_outline(outline: Outline) -> Outline:
 
 
 def _mirrored_points(points: Points) -> Points:
-    return replace(points, **{name: (-x, y) for name, (x, y) in points.named().items()})
+    other = {name: (-x, y) for name, (x, y) in points.named().items()}
+    return Points(**other, near_inset=points.near_inset)
 
 
 def mirrored_order(order: Order) -> Order:
