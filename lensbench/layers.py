@@ -9,6 +9,7 @@ from .optics.conventions import Floats, ReadOnlyArrays
 from .optics.eye import Wearer
 from .optics.field import Accommodation
 from .optics.lens import Lens
+from .optics.tolerances import ToleranceLine
 from .scenes.scene import Part, Scene
 
 # ---- layers: what can be asked for ----
@@ -16,7 +17,11 @@ from .scenes.scene import Part, Scene
 
 @dataclass(frozen=True, slots=True)
 class MapLayer:
-    """A quantity over the front surface. distance: mm from the front surface, inf, or "scene" (first hit of each ray)."""
+    """A quantity over the front surface.
+
+    distance: mm from the front surface, inf, "scene" (first hit of each ray) or "model" (the wearer's object distances by
+    lowering of the gaze, see optics.object_distance).
+    """
 
     quantity: str
     distance: float | str = np.inf
@@ -26,15 +31,22 @@ class MapLayer:
 
 @dataclass(frozen=True, slots=True)
 class ProfileLayer:
-    """As-worn power along the lens's main meridian, for objects at `distance` mm."""
+    """As-worn power along the lens's main meridian, for objects at `distance` as in MapLayer."""
 
-    distance: float = np.inf
+    distance: float | str = np.inf
     samples: int = 121
 
 
 @dataclass(frozen=True, slots=True)
 class PointsLayer:
-    """As-worn power at the reference points. The near reference point is read at the wearer's near distance from the cornea."""
+    """Power at the reference points, by focimeter and as worn; as worn the near reference point is read at the wearer's
+    near distance from the cornea.
+    """
+
+
+@dataclass(frozen=True, slots=True)
+class VerificationLayer:
+    """Focimeter readings against the order with tolerances: see optics.tolerances."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +90,7 @@ class ViewLayer:
     accommodation: Accommodation = "retina"
 
 
-Layer = MapLayer | ProfileLayer | PointsLayer | EllipseLayer | VoxelLayer | ViewLayer
+Layer = MapLayer | ProfileLayer | PointsLayer | VerificationLayer | EllipseLayer | VoxelLayer | ViewLayer
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,10 +136,12 @@ class Profile(ReadOnlyArrays):
 
 @dataclass(frozen=True, slots=True)
 class PointReading:
-    """As-worn reading at a reference point. Lens point mm, gaze degrees, powers D, prism cm/m, axis and base degrees.
+    """As-worn and focimeter reading at a reference point. Lens point mm, gaze degrees, powers D, prism cm/m, axis and base
+    degrees.
 
     mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D; prism_error:
-    magnitude of the difference to the ordered prism, cm/m; each None where nothing is ordered.
+    magnitude of the difference of the focimeter's to the ordered prism, cm/m; each None where nothing is ordered.
+    lensmeter_...: back vertex power and prism along the back normal, see optics.lensmeter.
     """
 
     name: str
@@ -146,6 +160,11 @@ class PointReading:
     mean_error: float | None
     astigmatic_error: float | None
     prism_error: float | None
+    lensmeter_sphere: float
+    lensmeter_cylinder: float
+    lensmeter_axis: float
+    lensmeter_prism: float
+    lensmeter_prism_base: float
     status: str
 
 
@@ -210,4 +229,12 @@ class SeenScene(ReadOnlyArrays):
     rims: tuple[Floats, ...]
 
 
-Result = LensMap | Profile | tuple[PointReading, ...] | tuple[EllipseSheet, ...] | VoxelField | SeenScene
+Result = (
+    LensMap
+    | Profile
+    | tuple[PointReading, ...]
+    | tuple[ToleranceLine, ...]
+    | tuple[EllipseSheet, ...]
+    | VoxelField
+    | SeenScene
+)

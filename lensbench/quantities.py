@@ -6,18 +6,28 @@ from typing import Any
 
 import numpy as np
 
-from .optics.conventions import Floats, astigmatism, mean_power
+from .optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from .optics.field import Accommodation, GazeField
 from .optics.gaze import worn_pose
+from .optics.lens import Lens
+from .optics.lensmeter import VertexPower, back_vertex_power, surface_power
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """label and unit for the reader; values (n,) from a gaze field, the object distance and the accommodation rule."""
+    """label and unit for the reader; values (n,) from a gaze field, the object distance and the accommodation rule.
+
+    about: said of a map instead of the object distance, where that does not matter.
+    """
 
     label: str
     unit: str
     values: Callable[[GazeField, Any, Accommodation], Floats]
+    about: str = ""
+
+
+_BY_LENSMETER = "back surface on the stop, axis along its normal"
+_OF_SURFACES = "by the curvatures alone"
 
 
 QUANTITIES = {
@@ -37,7 +47,53 @@ QUANTITIES = {
     ),
     "prism_vertical": Quantity("Vertical prism, + base up", "cm/m", lambda f, s, a: f.prism_components()[:, 1]),
     "magnification": Quantity("Magnification", "x", lambda f, s, a: _area_magnification(f.magnification(s))),
-    "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f)),
+    "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f), "along the lens's axis"),
+    # by focimeter and of the surfaces: no eye, no position of wear, no object distance
+    "lensmeter_mean_power": Quantity(
+        "Lensmeter mean power", "D", lambda f, s, a: mean_power(_by_lensmeter(f).power), _BY_LENSMETER
+    ),
+    "lensmeter_astigmatism": Quantity(
+        "Lensmeter astigmatism", "D", lambda f, s, a: astigmatism(_by_lensmeter(f).power), _BY_LENSMETER
+    ),
+    "lensmeter_sphere": Quantity(
+        "Lensmeter sphere", "D", lambda f, s, a: sphere_cylinder_axis(_by_lensmeter(f).power).sphere, _BY_LENSMETER
+    ),
+    "lensmeter_cylinder": Quantity(
+        "Lensmeter cylinder", "D", lambda f, s, a: sphere_cylinder_axis(_by_lensmeter(f).power).cylinder, _BY_LENSMETER
+    ),
+    "lensmeter_axis": Quantity(
+        "Lensmeter axis", "deg", lambda f, s, a: sphere_cylinder_axis(_by_lensmeter(f).power).axis, _BY_LENSMETER
+    ),
+    "lensmeter_prism": Quantity(
+        "Lensmeter prism", "cm/m", lambda f, s, a: np.hypot(*_by_lensmeter(f).prism.T), _BY_LENSMETER
+    ),
+    "lensmeter_prism_horizontal": Quantity(
+        "Lensmeter horizontal prism, + base to the wearer's left",
+        "cm/m",
+        lambda f, s, a: _by_lensmeter(f).prism[:, 0],
+        _BY_LENSMETER,
+    ),
+    "lensmeter_prism_vertical": Quantity(
+        "Lensmeter vertical prism, + base up", "cm/m", lambda f, s, a: _by_lensmeter(f).prism[:, 1], _BY_LENSMETER
+    ),
+    "surface_mean_power": Quantity(
+        "Mean surface power, front + back", "D", lambda f, s, a: mean_power(_surface_power(f, 1, 1)), _OF_SURFACES
+    ),
+    "surface_astigmatism": Quantity(
+        "Surface astigmatism, front + back", "D", lambda f, s, a: astigmatism(_surface_power(f, 1, 1)), _OF_SURFACES
+    ),
+    "front_surface_mean_power": Quantity(
+        "Front mean surface power", "D", lambda f, s, a: mean_power(_surface_power(f, 1, 0)), _OF_SURFACES
+    ),
+    "front_surface_astigmatism": Quantity(
+        "Front surface astigmatism", "D", lambda f, s, a: astigmatism(_surface_power(f, 1, 0)), _OF_SURFACES
+    ),
+    "back_surface_mean_power": Quantity(
+        "Back mean surface power", "D", lambda f, s, a: mean_power(_surface_power(f, 0, 1)), _OF_SURFACES
+    ),
+    "back_surface_astigmatism": Quantity(
+        "Back surface astigmatism", "D", lambda f, s, a: astigmatism(_surface_power(f, 0, 1)), _OF_SURFACES
+    ),
 }
 
 
@@ -46,8 +102,24 @@ def _area_magnification(m: Floats) -> Floats:
     return np.sqrt(np.abs(m[..., 0, 0] * m[..., 1, 1] - m[..., 0, 1] * m[..., 1, 0]))
 
 
-def _thickness(field: GazeField) -> Floats:
+def _lens_points(field: GazeField) -> tuple[Lens, Floats, Floats]:
+    """The lens and the points x, y (n,) mm of its front surface that the chief rays pass."""
     lens = field.lens
     assert lens is not None
     point = worn_pose(lens, field.wearer.wear).to_lens(field.origin)
-    return lens.thickness(point[:, 0], point[:, 1])
+    return lens, point[:, 0], point[:, 1]
+
+
+def _thickness(field: GazeField) -> Floats:
+    lens, x, y = _lens_points(field)
+    return lens.thickness(x, y)
+
+
+def _by_lensmeter(field: GazeField) -> VertexPower:
+    return back_vertex_power(*_lens_points(field))
+
+
+def _surface_power(field: GazeField, front: int, back: int) -> Floats:
+    """Surface power (n, 2, 2), D, of the front, the back (in its usual sign), or the sum of both at one lens point."""
+    lens, x, y = _lens_points(field)
+    return front * surface_power(lens.front, x, y, lens.index) - back * surface_power(lens.back, x, y, lens.index)

@@ -24,16 +24,16 @@ from .layers import (
     Request,
     SeenPart,
     SeenScene,
+    VerificationLayer,
     ViewLayer,
     VoxelField,
     VoxelLayer,
 )
-from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, sphere_cylinder_axis, unit
+from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, unit
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import Accommodation, GazeField, ellipse
 from .optics.gaze import (
     GazeGrid,
-    angles_from_direction,
     direction_from_angles,
     look_at,
     look_through,
@@ -41,7 +41,10 @@ from .optics.gaze import (
     worn_pose,
 )
 from .optics.lens import Lens, Order, Outline
+from .optics.object_distance import model_distance
+from .optics.tolerances import ToleranceLine, verification
 from .quantities import QUANTITIES
+from .readings import point_readings
 from .scenes.scene import Part, Scene
 
 # ---- who looks, and where to ----
@@ -170,6 +173,8 @@ def _square_samples(outline: Outline, samples: int) -> tuple[Floats, Floats]:
 
 
 def _object_distance(distance: float | str, field: GazeField, request: Request) -> Any:
+    if distance == "model":
+        return model_distance(field)
     if distance != "scene":
         return distance
     from .scenes.cast import first_hit
@@ -189,68 +194,21 @@ def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
     field = look_through(lens, request.wearer, x, y)
     _some_ray_passes(field)
     ok = field.status == Status.OK
-    x, y, power = x[ok], y[ok], field.as_worn_matrix(layer.distance)[ok]
+    x, y, power = x[ok], y[ok], field.as_worn_matrix(_object_distance(layer.distance, field, request))[ok]
     mean, astig = mean_power(power), astigmatism(power)
     return Profile(x, y, mean, mean - astig / 2, mean + astig / 2, astig)
 
 
 @_answer.register
 def reference_readings(layer: PointsLayer, request: Request) -> tuple[PointReading, ...]:
-    """As-worn readings at the reference points that the lens names, against its order."""
-    lens, wear = _needed_lens(request), request.wearer.wear
-    points = lens.points.named()
-    field = look_through(lens, request.wearer, *np.transpose(list(points.values())))
-    near = _from_cornea(field, wear.near_distance)
-    distances = np.where([name == "near_reference_point" for name in points], near, np.inf)
-    return tuple(_reading(field, k, name, float(distances[k])) for k, name in enumerate(points))
+    """Readings at the reference points that the lens names, against its order."""
+    return point_readings(_needed_lens(request), request.wearer)
 
 
-def _from_cornea(field: GazeField, distance: float) -> Floats:
-    """Distance (n,) along each outgoing ray to the point that is `distance` mm away from the corneal apex."""
-    origin = field.origin + np.array([0.0, 0.0, field.wearer.wear.vertex_distance])
-    along = np.einsum("nj,nj->n", origin, field.direction)
-    return np.sqrt(along**2 + distance**2 - np.sum(origin**2, axis=1)) - along
-
-
-def _reading(field: GazeField, k: int, name: str, distance: float) -> PointReading:
-    """The reading of the k-th ray of a field, which passes a reference point of its lens."""
-    lens = field.lens
-    assert lens is not None
-    x, y = lens.points.named()[name]
-    power, prism = field.as_worn_matrix(distance)[k], field.prism()
-    sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(power))
-    azimuth, elevation = (float(np.degrees(a[k])) for a in angles_from_direction(field.directions))
-    mean_error, astigmatic_error = _against_order(lens, name, power)
-    prism_error = None
-    if lens.ordered is not None and name == "prism_reference_point":
-        prism_error = float(np.linalg.norm(field.prism_components()[k] - lens.ordered.prism_components()))
-    return PointReading(
-        name=name,
-        x=x,
-        y=y,
-        azimuth=azimuth,
-        elevation=elevation,
-        distance=distance,
-        sphere=sphere,
-        cylinder=cylinder,
-        axis=axis,
-        mean_power=float(mean_power(power)),
-        astigmatism=float(astigmatism(power)),
-        prism=float(prism.prism[k]),
-        prism_base=float(prism.base[k]),
-        mean_error=mean_error,
-        astigmatic_error=astigmatic_error,
-        prism_error=prism_error,
-        status=Status(field.status[k]).name,
-    )
-
-
-def _against_order(lens: Lens, name: str, power: Floats) -> tuple[float, float] | tuple[None, None]:
-    """Mean and astigmatic difference (D) of a power matrix to the order at a reference point; None where none is ordered."""
-    if lens.ordered is None or name not in ("distance_reference_point", "near_reference_point"):
-        return None, None
-    error = power - lens.ordered.power(near=name == "near_reference_point")
-    return float(mean_power(error)), float(astigmatism(error))
+@_answer.register
+def verified_lines(layer: VerificationLayer, request: Request) -> tuple[ToleranceLine, ...]:
+    """Focimeter readings against the order; none for a lens without an order."""
+    return verification(_needed_lens(request))
 
 
 @_answer.register

@@ -146,6 +146,14 @@ def test_sdf_with_both_sides_crlf_and_byte_order_mark(tmp_path):
     assert [g.side for g in read_sdf(path)] == ["R", "L"]
 
 
+def test_the_wearers_own_object_distances(tmp_path):
+    points = "[wear]\nobject_distances = [[-5, inf], [12.0, 800], [30, 350.0]]\n"
+    wear = lb.load_wearer(write(tmp_path, WEARER + points)).wear
+    assert np.array(wear.object_distances) == pytest.approx(
+        np.array([[np.radians(-5), np.inf], [np.radians(12), 800], [np.radians(30), 350]])
+    )
+
+
 def test_wearer_by_age_and_luminance(tmp_path):
     wearer = lb.load_wearer(write(tmp_path, WEARER.replace("pupil_diameter = 4.0", "luminance = 100\nfield_area = 60")))
     assert wearer.eye.accommodation == pytest.approx(5.0)
@@ -238,6 +246,10 @@ BAD_WEARERS = {
     "unknown key": (WEARER.replace("pupil_diameter", "pupil_diametre"), "pupil_diameter"),
     "pupil out of range": (WEARER.replace("4.0", "-4.0"), "pupil_diameter"),
     "a lens, not a wearer": (LENS, "lensbench-wearer/1"),
+    "one object distance": (WEARER + "[wear]\nobject_distances = [[0, 800]]", "two or more pairs"),
+    "falling lowering": (WEARER + "[wear]\nobject_distances = [[20, 800], [10, 400]]", "rising"),
+    "too near an object": (WEARER + "[wear]\nobject_distances = [[0, 800], [10, 4]]", "100 mm or more"),
+    "no distance": (WEARER + "[wear]\nobject_distances = [[0, nan], [10, 400]]", "100 mm or more"),
 }
 
 

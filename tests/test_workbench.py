@@ -16,6 +16,7 @@ from lensbench.optics.conventions import Status, mean_power
 from lensbench.optics.gaze import look_through
 from lensbench.optics.lens import Lens, Order, circle_outline
 from lensbench.optics.materials import MATERIALS
+from lensbench.optics.object_distance import model_distance, proximity
 from lensbench.quantities import QUANTITIES
 from lensbench.scenes.scene import Part, Scene
 from lensbench.workbench import assumed_wearer, look, run
@@ -47,6 +48,22 @@ def test_map_holds_the_field_at_its_own_points(progressive, wearer):
     assert lens_map.values[j, i] == pytest.approx(mean_power(field.as_worn_matrix(400.0))[0], abs=1e-12)
     assert np.array_equal(np.isnan(lens_map.values), lens_map.status != Status.OK)
     assert np.diff(lens_map.x) == pytest.approx(lens_map.y[1] - lens_map.y[0])
+
+
+def test_the_model_sees_far_above_and_near_below(progressive, wearer):
+    seen = run(Request(progressive, wearer, MapLayer("defocus", "model", samples=21)))
+    j, i = 3, 10
+    field = look_through(progressive, wearer, [seen.x[i]], [seen.y[j]])
+    distance = model_distance(field)
+    assert seen.values[j, i] == pytest.approx(np.degrees(field.defocus(distance)[0]) * 60, rel=1e-12)
+    point = field.origin[0] + distance[0] * field.direction[0]
+    lowering = -np.arcsin(field.directions[0, 1])
+    away = np.linalg.norm(point - [0, 0, -wearer.wear.vertex_distance])
+    assert 1000 / away == pytest.approx(proximity(wearer.wear, lowering), rel=1e-9)
+    profile = run(Request(progressive, wearer, ProfileLayer("model")))
+    infinite = run(Request(progressive, wearer, ProfileLayer()))
+    assert profile.mean_power[-1] == infinite.mean_power[-1]
+    assert profile.mean_power[0] != infinite.mean_power[0]
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -204,7 +221,8 @@ def test_ordered_prism_is_compared_at_the_prism_reference_point():
     )
     assert lens.thickness(0.0, -10.0) > lens.thickness(0.0, 10.0)
     assert (reading.prism, reading.prism_base) == (pytest.approx(0.873, abs=0.002), pytest.approx(270.0))
-    assert reading.prism_error == pytest.approx(1.0 - reading.prism)
+    assert (reading.lensmeter_prism, reading.lensmeter_prism_base) == pytest.approx((0.873, 270.0), abs=0.002)
+    assert reading.prism_error == pytest.approx(1.0 - reading.lensmeter_prism)
 
 
 def test_prism_maps_are_the_components_of_the_prism(progressive, wearer):

@@ -14,7 +14,7 @@ from .options import (
     count,
     deliver,
     depth,
-    distance_or_scene,
+    distance_or_name,
     kind_of,
     lens_and_wearer,
     load_case,
@@ -38,7 +38,7 @@ def _add_map(verbs: Any) -> None:
     verb = add_verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV or JSON")
     lens_and_wearer(verb)
     verb.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
-    verb.add_argument("-d", "--distance", type=distance_or_scene, default=math.inf, help="40cm, 6m, inf or scene")
+    verb.add_argument("-d", "--distance", type=distance_or_name, default=math.inf, help="40cm, 6m, inf, scene or model")
     verb.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
     accommodation_option(verb)
     output_option(verb, "map.png")
@@ -81,9 +81,10 @@ def write_map(args: argparse.Namespace) -> None:
 
 
 def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> Any:
+    from ..quantities import QUANTITIES
     from ..report.tables import distance_text
 
-    subtitle = distance_text(args.distance)
+    subtitle = QUANTITIES[result.quantity].about or distance_text(args.distance)
     if args.on_lens:
         from ..views.lens3d import map_on_lens
 

@@ -87,9 +87,9 @@ def gaze_angle(text: str) -> float:
     return value
 
 
-def distance_or_scene(text: str) -> float | str:
-    """A distance, or "scene" for whatever each ray meets in the built-in scene."""
-    return "scene" if text == "scene" else distance(text)
+def distance_or_name(text: str) -> float | str:
+    """A distance, "scene" for whatever each ray meets in the built-in scene, or "model" for the wearer's own distances."""
+    return text if text in ("scene", "model") else distance(text)
 
 
 def accommodation(text: str) -> float | str:

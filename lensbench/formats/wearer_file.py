@@ -1,10 +1,11 @@
 """Wearer files: format "lensbench-wearer/1". Lengths in mm, powers in D, angles in degrees, age in years."""
 
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from ..optics.conventions import power_matrix
 from ..optics.eye import Eye, Wear, Wearer, hofstetter_amplitude, watson_yellott_pupil
@@ -40,8 +41,14 @@ class EyeTable(Table):
         return self
 
 
+ObjectDistance = Annotated[tuple[float, Annotated[float, Field(allow_inf_nan=True)]], Field(strict=False)]
+
+
 class WearTable(Table):
-    """vertex_distance, decentration, pupillary_distance (monocular), near_distance (from the cornea): mm; angles: degrees."""
+    """vertex_distance, decentration, pupillary_distance (monocular), near_distance (from the cornea): mm; angles: degrees.
+
+    object_distances: pairs of the gaze's lowering (degrees) and the object's distance from the cornea (mm).
+    """
 
     vertex_distance: float = Field(13.0, gt=0, le=40)
     pantoscopic_angle: float = Field(0.0, ge=-45, le=45)
@@ -49,6 +56,19 @@ class WearTable(Table):
     decentration: Pair = (0.0, 0.0)
     pupillary_distance: float = Field(32.0, gt=0, le=60)
     near_distance: float = Field(400.0, ge=100, le=2000)
+    object_distances: tuple[ObjectDistance, ...] = Field((), strict=False)
+
+    @field_validator("object_distances")
+    @classmethod
+    def _two_points_or_more(cls, points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+        lowering = [angle for angle, _ in points]
+        if len(points) == 1 or any(b <= a for a, b in pairwise(lowering)):
+            raise ValueError(
+                "give two or more pairs [lowering_deg, distance_mm], the lowering rising from pair to pair"
+            )
+        if any(abs(angle) > 60 or not distance >= 100 for angle, distance in points):
+            raise ValueError("a lowering must be -60 to 60 degrees, a distance 100 mm or more (inf: far away)")
+        return points
 
 
 class WearerTable(Table):
@@ -79,7 +99,8 @@ def build_wearer(path: Path, data: dict[str, Any]) -> Wearer:
         t.eye.centre_of_rotation, t.eye.entrance_pupil,
     )  # fmt: skip
     angles = float(np.radians(w.pantoscopic_angle)), float(np.radians(w.face_form_angle))
-    wear = Wear(w.vertex_distance, *angles, w.decentration, w.pupillary_distance, w.near_distance)
+    seen_at = tuple((float(np.radians(angle)), distance) for angle, distance in w.object_distances)
+    wear = Wear(w.vertex_distance, *angles, w.decentration, w.pupillary_distance, w.near_distance, seen_at)
     return Wearer(eye, wear, t.name or path.stem, t.age)
 
 

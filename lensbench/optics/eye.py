@@ -47,6 +47,8 @@ class Wear:
     vertex_distance: corneal apex to the back surface along the line of sight straight ahead. pantoscopic_angle > 0:
     lower edge towards the cheek. face_form_angle > 0: temporal edge towards the face. decentration: (x, y) of the
     lens's fitting point against that line of sight. pupillary_distance (monocular), near_distance (from the cornea).
+    object_distances: the wearer's own (lowering of the gaze in rad, object distance in mm from the cornea), rising in
+    lowering; empty: see optics.object_distance.
     """
 
     vertex_distance: float = 13.0
@@ -55,6 +57,7 @@ class Wear:
     decentration: tuple[float, float] = (0.0, 0.0)
     pupillary_distance: float = 32.0
     near_distance: float = 400.0
+    object_distances: tuple[tuple[float, float], ...] = ()
 
     def rotation(self, side: str) -> Floats:
         """Turn (3, 3) of a lens of side "R" or "L" from the lens frame to the wear frame: R_y(face form) R_x(pantoscopic)."""

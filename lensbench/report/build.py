@@ -22,12 +22,15 @@ from ..layers import (
     Profile,
     ProfileLayer,
     Request,
+    VerificationLayer,
     ViewLayer,
 )
 from ..optics.conventions import VERSION, Status, power_matrix
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
+from ..optics.tolerances import STANDARD, ToleranceLine
 from ..output import require_folder, to_json, write_file
+from ..quantities import QUANTITIES
 from ..workbench import LOOKS, look, run
 from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
 from .progress import Progress
@@ -36,12 +39,18 @@ from .tables import distance_text, map_numbers
 DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
 PASSES, PINHOLE_PASSES = 32, 8
+MAPS = ("mean_error", "astigmatic_error", "prism", "thickness")
+MODES = tuple(
+    tuple(f"{mode}{name}" for mode in ("", "lensmeter_", "surface_")) for name in ("mean_power", "astigmatism")
+)
 UNITS = {
     "x": "mm", "centre": "mm", "y": "mm", "depth": "mm", "distance": "mm", "semi_major": "mm", "semi_minor": "mm",
     "azimuth": "degrees, towards the wearer's left", "elevation": "degrees, upwards", "axis": "degrees TABO",
     "prism_base": "degrees TABO, 0 to 360", "prism": "cm/m", "orientation": "rad",
     "sphere": "D", "cylinder": "D", "mean_power": "D", "least_power": "D", "greatest_power": "D", "astigmatism": "D",
     "mean_error": "D", "astigmatic_error": "D", "accommodation": "D", "prism_error": "cm/m", "exaggeration": "1",
+    "lensmeter_sphere": "D", "lensmeter_cylinder": "D", "lensmeter_axis": "degrees TABO", "lensmeter_prism": "cm/m",
+    "lensmeter_prism_base": "degrees TABO, 0 to 360",
 }  # fmt: skip
 
 
@@ -52,6 +61,7 @@ class Findings:
     lens: list[Fact]
     wearer: list[Fact]
     readings: tuple[PointReading, ...]
+    verification: tuple[ToleranceLine, ...]
     profile: Profile
     maps: dict[str, LensMap]
     defocus: dict[float | str, LensMap]
@@ -102,11 +112,12 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
     def ask(layer: Any) -> Any:
         return run(Request(lens, wearer, layer, scene))
 
-    names = ("mean_power", "astigmatism", "mean_error", "astigmatic_error", "prism", "thickness")
+    names = [*MAPS, *(name for modes in MODES for name in modes)]
     return Findings(
         lens_facts(lens),
         wearer_facts(wearer),
         ask(PointsLayer()),
+        ask(VerificationLayer()),
         ask(ProfileLayer()),
         {name: ask(MapLayer(name)) for name in names},
         {d: ask(MapLayer("defocus", d)) for d in [*distances, "scene"]},
@@ -116,10 +127,14 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
 
 def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
     """Maps, profile and sections as flat figures."""
+    from ..views.bands import shared_limits
     from ..views.maps import map_figure, profile_figure, section_figure
 
+    scale = {name: shared_limits([findings.maps[n] for n in modes]) for modes in MODES for name in modes}
     pictures = {
-        name: _picture(name, lens_map.label, map_figure(lens, lens_map, subtitle=_map_subtitle(name)))
+        name: _picture(
+            name, lens_map.label, map_figure(lens, lens_map, limits=scale.get(name), subtitle=_map_subtitle(name))
+        )
         for name, lens_map in findings.maps.items()
     }
     pictures["profile"] = _picture(
@@ -132,9 +147,9 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
 
 
 def _map_subtitle(name: str) -> str:
-    if name == "thickness":
-        return "along the lens's axis"
-    return "less the wearer's refraction; objects at infinity" if name.endswith("error") else "objects at infinity"
+    if name.endswith("error"):
+        return "less the wearer's refraction; objects at infinity"
+    return QUANTITIES[name].about or "objects at infinity"
 
 
 def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Picture]:
@@ -200,6 +215,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
         "lens": {f.label: {"text": f.text, "value": f.value} for f in findings.lens},
         "wearer": {f.label: {"text": f.text, "value": f.value} for f in findings.wearer},
         "reference_points": [asdict(r) for r in findings.readings],
+        "verification": {"standard": STANDARD, "lines": [asdict(line) for line in findings.verification]},
         "profile": asdict(findings.profile),
         "maps": {name: map_numbers(m) for name, m in findings.maps.items()},
         "defocus": {distance_text(d): map_numbers(m) for d, m in findings.defocus.items()},
@@ -225,6 +241,7 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         wearer=wearer,
         findings=findings,
         pictures=pictures,
+        standard=STANDARD,
         looks=LOOKS,
         inf=math.inf,
         misfit=misfit(lens, wearer),

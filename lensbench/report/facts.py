@@ -8,6 +8,7 @@ from ..formats.point_grid import PointGrid
 from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
+from ..optics.lensmeter import surface_power
 
 
 class Fact(NamedTuple):
@@ -108,8 +109,7 @@ def _surface_facts(lens: Lens) -> list[Fact]:
     x, y = lens.points.distance_reference_point or (0.0, 0.0)
     facts = []
     for name, surface, sign in (("Front surface", lens.front, 1.0), ("Back surface", lens.back, -1.0)):
-        u, v = x - surface.decentration[0], y - surface.decentration[1]
-        power = sign * float(mean_power(surface.surface_power(u, v, lens.index)))
+        power = sign * float(mean_power(surface_power(surface, x, y, lens.index)))
         text = f"{surface.describe()}; surface power {power:+.2f} D at x = {x:g}, y = {y:g} mm"
         facts.append(Fact(name, text, {"described": surface.describe(), "mean_surface_power_D": power}))
     return facts

@@ -14,6 +14,8 @@ from ..optics.conventions import Status
 
 def distance_text(distance: float | str) -> str:
     """An object distance (mm) for a reader."""
+    if distance == "model":
+        return "objects at the wearer's distance for each gaze"
     if isinstance(distance, str):
         return "objects of the scene"
     if math.isinf(distance):

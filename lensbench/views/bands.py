@@ -57,8 +57,17 @@ STYLES = {
     "prism_vertical": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "magnification": MapStyle(_SIGNED, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5), centre=1.0),
     "thickness": MapStyle(("GnBu",), (0.2, 0.5, 1.0, 2.0), decimals=1),
+    "front_surface_mean_power": MapStyle(_AMOUNT),
+    "back_surface_mean_power": MapStyle(("YlGnBu_r",)),
 }
 _OTHER = MapStyle(_SIGNED, _ANY_STEPS)
+_MODES = ("lensmeter_", "front_surface_", "back_surface_", "surface_")
+
+
+def map_style(quantity: str) -> MapStyle:
+    """The style of a quantity; what a lensmeter or the surfaces show looks like what is seen as worn."""
+    mode = next((m for m in _MODES if quantity.startswith(m)), "")
+    return STYLES.get(quantity) or STYLES.get(quantity.removeprefix(mode), _OTHER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,7 +121,7 @@ def value_bands(
     ordered: float = 0.0,
 ) -> Bands:
     """Bands for values (any shape, NaN where there are none) of a quantity; see map_bands. ordered: mean power, D."""
-    style, cyclic = STYLES.get(quantity, _OTHER), quantity == "axis"
+    style, cyclic = map_style(quantity), quantity.endswith("axis")
     finite = values[np.isfinite(values)]
     span = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     levels = _levels(style, (0.0, 180.0) if cyclic else limits or _scale_span(style, finite), step)
@@ -130,7 +139,7 @@ def shared_limits(maps: Iterable[LensMap]) -> tuple[float, float]:
     values = np.concatenate([m.values[np.isfinite(m.values)] for m in pictured])
     if values.size == 0:
         raise InputError("there is no common scale: no ray passes in any of these maps")
-    style = STYLES.get(pictured[0].quantity, _OTHER)
+    style = map_style(pictured[0].quantity)
     levels = _levels(style, _scale_span(style, values), None)
     return float(levels[0]), float(levels[-1])
 
