@@ -322,7 +322,7 @@ def build_lens(path: Path, data: dict[str, Any]) -> Lens:
     )
     _check_points(path, lens)
     _check_inset(path, lens)
-    _check_thickness(path, lens)
+    check_body(path, lens)
     return lens
 
 
@@ -344,7 +344,8 @@ def _check_inset(path: Path, lens: Lens) -> None:
         )
 
 
-def _check_thickness(path: Path, lens: Lens) -> None:
+def check_body(path: Path, lens: Lens) -> None:
+    """Raise InputError where a surface does not reach the outline, or the lens has no thickness."""
     inner_x, inner_y, _ = lens.disc_points(12, 72)
     edge_x, edge_y = lens.outline.points()
     x, y = np.append(inner_x.ravel(), edge_x), np.append(inner_y.ravel(), edge_y)
