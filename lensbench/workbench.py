@@ -63,16 +63,19 @@ def assumed_wearer(lens: Lens) -> Wearer:
 
 
 MOST_VOXELS = 50_000_000
-LOOKS = {"far": (0.0, np.inf), "intermediate": (-11.0, 760.0), "near": (-27.0, 390.0)}
 
 
-def look(name: str, lens: Lens, wearer: Wearer) -> tuple[float, float]:
-    """Azimuth and elevation (rad) of a gaze at the middle of the built-in scene: "far", "intermediate" or "near".
+def look(name: str | None, lens: Lens, wearer: Wearer, scene: Scene) -> tuple[float, float]:
+    """Azimuth and elevation (rad) of the line from the eye's centre of rotation to what the scene's look names.
 
-    LOOKS gives the elevation (degrees) and the distance (mm) at which the eye converges on the face's midline.
+    name None: the scene's first look. Raises InputError for a look that the scene does not have.
     """
-    elevation, distance = LOOKS[name]
-    return float(np.arctan2(_midline(lens, wearer), distance)), float(np.radians(elevation))
+    name = next(iter(scene.looks)) if name is None else name
+    if name not in scene.looks:
+        raise InputError(f"look: the scene {scene.name!r} has no {name!r}; it has {', '.join(scene.looks)}")
+    target = np.array(scene.looks[name].target) + [_midline(lens, wearer), 0.0, 0.0]
+    azimuth, elevation = angles_from_direction(target - wearer.centre_of_rotation)
+    return float(azimuth), float(elevation)
 
 
 def _midline(lens: Lens, wearer: Wearer) -> float:
@@ -262,13 +265,13 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
     scene, wearer = _needed_scene(request), request.wearer
     lens = None if layer.eye == "naked" else _needed_lens(request)
     sharp = layer.eye == "pinhole"
-    through = tuple(_seen_part(lens, wearer, part, layer.accommodation, sharp) for part in scene.parts)
+    through = tuple(_seen_part(lens, wearer, part, layer.accommodation, sharp) for part in scene.drawn)
     around: tuple[SeenPart, ...] | None = None
     rims: tuple[Floats, ...] = ()
     frame = listing_frame(direction_from_angles(layer.azimuth, layer.elevation))
     if lens is not None:
         _some_ray_passes(trace(lens, wearer, GazeGrid()))
-        around = tuple(_seen_part(None, wearer, part, layer.accommodation, sharp) for part in scene.parts)
+        around = tuple(_seen_part(None, wearer, part, layer.accommodation, sharp) for part in scene.drawn)
         rims = _rims(lens, wearer, frame)
     return SeenScene(layer, scene.background, wearer.centre_of_rotation, frame, through, around, rims)
 

@@ -37,21 +37,21 @@ def test_far_things_fill_the_view_straight_ahead(room):
     distance = first_hit(room, np.zeros(3), unit(np.stack([u, v, np.ones_like(u)], axis=-1)))
     assert np.isfinite(distance).all()
     assert np.mean(distance > 3000) > 0.6
-    assert first_hit(room, np.zeros((1, 3)), [[0.0, 0.0, 1.0]])[0] == pytest.approx(5970, rel=1e-5)
+    assert first_hit(room, np.zeros((1, 3)), [[0.0, 0.0, 1.0]])[0] == pytest.approx(5960, rel=1e-5)
 
 
 def test_no_triangle_is_wider_than_two_degrees(room):
-    assert sum(len(part.points) for part in room.parts) < 40_000
+    assert sum(len(part.triangles) for part in room.parts) < 60_000
     for part in room.parts:
         corner = unit(part.points)[part.triangles]
         sides = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=2)
-        assert np.degrees(sides.max()) < 2.1, part.name
+        assert np.degrees(sides.max()) < 2.001, part.name
 
 
 def test_textures_are_fine_enough_and_not_too_big(room):
     assert sum(part.image.nbytes for part in room.parts) < 60e6
     pixel = 2 * np.tan(np.radians(25)) / 1280
-    for name in ("page", "screen", "sign"):
+    for name in ("page", "screen", "slide"):
         part = part_of(room, name)
         width = np.ptp(part.points[:, 0]) / np.linalg.norm(part.points, axis=1).min()
         assert part.image.shape[1] > 1.9 * width / pixel, name
@@ -71,7 +71,7 @@ def test_text_reads_from_left_to_right():
 def test_an_unknown_scene_names_the_nearest():
     with pytest.raises(InputError, match="did you mean 'room'"):
         load_scene("rooms")
-    with pytest.raises(InputError, match="there are room"):
+    with pytest.raises(InputError, match="there are room, desk"):
         load_scene("xyz")
 
 

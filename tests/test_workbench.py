@@ -18,7 +18,7 @@ from lensbench.optics.lens import Lens, Order, circle_outline
 from lensbench.optics.materials import MATERIALS
 from lensbench.optics.object_distance import model_distance, proximity
 from lensbench.quantities import QUANTITIES
-from lensbench.scenes.scene import Part, Scene
+from lensbench.scenes.scene import Look, Part, Scene
 from lensbench.workbench import assumed_wearer, look, run
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
@@ -151,8 +151,9 @@ def test_pinhole_view_is_sharp_and_naked_view_is_straight(wearer, progressive):
 
 def test_the_nose_is_on_the_other_side_of_a_left_lens(progressive, wearer):
     left = replace(progressive, side="L")
-    midline = {lens.side: look("near", lens, wearer)[0] for lens in (progressive, left)}
-    assert midline["R"] == pytest.approx(np.arctan2(32.0, 390.0))
+    page = Scene("page", (), looks={"near": Look((0.0, -180.0, 390.0), "page")})
+    midline = {lens.side: look("near", lens, wearer, page)[0] for lens in (progressive, left)}
+    assert midline["R"] == pytest.approx(np.arctan2(32.0, 390.0 - wearer.centre_of_rotation[2]))
     assert midline["L"] == -midline["R"]
     straight_on = run(Request(left, wearer, ViewLayer("naked"), Scene("wall", (WALL,)))).through[0]
     assert straight_on.part.points[:, 0] == pytest.approx(WALL.points[:, 0] - 32.0)
@@ -264,8 +265,11 @@ def test_results_cannot_be_written_to(progressive, wearer):
             array[0] = 0
 
 
-def test_looks_and_layers_stand_where_the_paper_and_the_scene_have_them(progressive, wearer):
+def test_layers_stand_where_the_paper_has_them():
     assert (EllipseLayer().depths, EllipseLayer().n) == ((270.0, 780.0, 3400.0), 32)
-    down = [np.degrees(look(name, progressive, wearer)[1]) for name in ("far", "intermediate", "near")]
-    assert down[0] == 0.0
-    assert down[0] > down[1] > down[2] > -35
+
+
+def test_a_look_that_the_scene_does_not_have_is_refused(progressive, wearer):
+    page = Scene("page", (), looks={"near": Look((0.0, -180.0, 390.0), "page")})
+    with pytest.raises(InputError, match="the scene 'page' has no 'far'; it has near"):
+        look("far", progressive, wearer, page)

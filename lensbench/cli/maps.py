@@ -10,7 +10,6 @@ from .options import (
     accommodation,
     accommodation_option,
     add_verb,
-    built_in_scene,
     count,
     deliver,
     depth,
@@ -19,6 +18,8 @@ from .options import (
     lens_and_wearer,
     load_case,
     output_option,
+    scene_of,
+    scene_options,
     write,
 )
 
@@ -39,6 +40,7 @@ def _add_map(verbs: Any) -> None:
     lens_and_wearer(verb)
     verb.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
     verb.add_argument("-d", "--distance", type=distance_or_name, default=math.inf, help="40cm, 6m, inf, scene or model")
+    scene_options(verb)
     verb.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
     accommodation_option(verb)
     output_option(verb, "map.png")
@@ -73,7 +75,7 @@ def write_map(args: argparse.Namespace) -> None:
 
     kind = kind_of(args.output, *([".png"] if args.on_lens else [".png", ".svg", ".csv", ".json"]))
     lens, wearer = load_case(args)
-    scene = built_in_scene() if args.distance == "scene" else None
+    scene = scene_of(args) if args.distance == "scene" else None
     layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))
     result = run(Request(lens, wearer, layer, scene))
     picture = partial(_map_picture, args, lens, wearer, result)

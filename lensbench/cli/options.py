@@ -39,6 +39,11 @@ def accommodation_option(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--accommodation", default="retina", help="rule: retina, object or paper; or dioptres")
 
 
+def scene_options(verb: argparse.ArgumentParser) -> None:
+    """--scene."""
+    verb.add_argument("--scene", default="room", metavar="NAME", help="a built-in scene (room)")
+
+
 def output_option(verb: argparse.ArgumentParser, default: str) -> None:
     """-o and --json."""
     verb.add_argument("-o", "--output", type=Path, default=Path(default), metavar="FILE", help=f"({default})")
@@ -88,7 +93,7 @@ def gaze_angle(text: str) -> float:
 
 
 def distance_or_name(text: str) -> float | str:
-    """A distance, "scene" for whatever each ray meets in the built-in scene, or "model" for the wearer's own distances."""
+    """A distance, "scene" for whatever each ray meets in the scene, or "model" for the wearer's own distances."""
     return text if text in ("scene", "model") else distance(text)
 
 
@@ -110,11 +115,11 @@ def accommodation(text: str) -> float | str:
 # ---- loading and writing ----
 
 
-def built_in_scene() -> "Scene":
-    """The room."""
+def scene_of(args: argparse.Namespace) -> "Scene":
+    """The scene that --scene names."""
     from ..scenes.builtin import load_scene
 
-    return load_scene("room")
+    return load_scene(args.scene)
 
 
 def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from .options import add_verb, distance, lens_and_wearer, load_case
+from .options import add_verb, distance, lens_and_wearer, load_case, scene_of, scene_options
 
 
 def add_verbs(verbs: Any) -> None:
@@ -15,6 +15,7 @@ def add_verbs(verbs: Any) -> None:
     verb.add_argument(
         "--object-distance", type=distance, nargs="+", metavar="D", help="for the defocus maps (inf 78cm 40cm)"
     )
+    scene_options(verb)
     verb.add_argument("-o", "--output", type=Path, default=None, metavar="DIR", help="folder (reports/<lens file>)")
 
 
@@ -27,6 +28,7 @@ def write_report(args: argparse.Namespace) -> None:
     progress = Progress(sys.stderr)
     progress.step("load")
     lens, wearer = load_case(args)
-    build_report(lens, wearer, folder, tuple(args.object_distance or DEFAULT_DISTANCES), progress)
+    scene = scene_of(args)
+    build_report(lens, wearer, folder, tuple(args.object_distance or DEFAULT_DISTANCES), progress, scene)
     progress.done()
     print(folder / "index.html")

@@ -10,22 +10,24 @@ from .options import (
     accommodation,
     accommodation_option,
     add_verb,
-    built_in_scene,
     count,
     gaze_angle,
     kind_of,
     lens_and_wearer,
     load_case,
+    scene_of,
+    scene_options,
     write_picture,
 )
 
 
 def add_verbs(verbs: Any) -> None:
     """Add this group's verbs."""
-    verb = add_verb(verbs, "view", write_view, "what the wearer sees of the built-in scene, as PNG")
+    verb = add_verb(verbs, "view", write_view, "what the wearer sees of a scene, as PNG")
     lens_and_wearer(verb)
+    scene_options(verb)
     verb.add_argument(
-        "--look", choices=["far", "intermediate", "near"], default="far", help="gaze at the picture's centre"
+        "--look", metavar="NAME", help="what the picture is centred on: a look of the scene, such as near"
     )
     verb.add_argument("--gaze", type=gaze_angle, nargs=2, metavar=("AZ", "EL"), help="the same in degrees, left and up")
     verb.add_argument("--eye", choices=["lens", "naked", "pinhole"], default="lens")
@@ -46,8 +48,9 @@ def write_view(args: argparse.Namespace) -> None:
     if not 5 <= args.fov <= 120 or min(args.size) < 16 or max(args.size) > 8192:
         raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels")
     lens, wearer = load_case(args)
-    gaze = tuple(map(math.radians, args.gaze)) if args.gaze else look(args.look, lens, wearer)
+    scene = scene_of(args)
+    gaze = tuple(map(math.radians, args.gaze)) if args.gaze else look(args.look, lens, wearer, scene)
     rule = accommodation(args.accommodation)
     layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
-    seen = run(Request(lens, wearer, layer, built_in_scene()))
+    seen = run(Request(lens, wearer, layer, scene))
     write_picture(args.output, render_view(seen, args.passes))

@@ -31,7 +31,8 @@ from ..optics.lens import Lens
 from ..optics.tolerances import STANDARD, ToleranceLine
 from ..output import require_folder, to_json, write_file
 from ..quantities import QUANTITIES
-from ..workbench import LOOKS, look, run
+from ..scenes.scene import Scene
+from ..workbench import look, run
 from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
 from .progress import Progress
 from .tables import distance_text, map_numbers
@@ -66,6 +67,7 @@ class Findings:
     maps: dict[str, LensMap]
     defocus: dict[float | str, LensMap]
     ellipses: tuple[EllipseSheet, ...]
+    looks: dict[str, tuple[float, float]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,22 +84,32 @@ class Picture:
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
-def build_report(lens: Lens, wearer: Wearer, folder: Path, distances: Sequence[float], progress: Progress) -> None:
-    """Write the report of a lens as this wearer wears it. distances: of the objects of the defocus maps, mm."""
+def build_report(
+    lens: Lens,
+    wearer: Wearer,
+    folder: Path,
+    distances: Sequence[float],
+    progress: Progress,
+    scene: Scene | None = None,
+) -> None:
+    """Write the report of a lens as this wearer wears it. distances: of the objects of the defocus maps, mm.
+
+    scene: what the wearer looks at; None: the built-in room.
+    """
     from ..scenes.builtin import load_scene
 
     require_folder(folder)
     progress.step("scene")
-    scene = load_scene("room")
+    scene = scene or load_scene("room")
     progress.step("trace")
     findings = find(lens, wearer, distances, scene)
     progress.step("maps")
     pictures = flat_pictures(lens, findings)
     progress.step("lens and ellipses in space")
     pictures |= spatial_pictures(lens, wearer, findings)
-    for name in LOOKS:
+    for name, gaze in findings.looks.items():
         progress.step(f"view {name}")
-        pictures[f"view_{name}"] = view_picture(lens, wearer, scene, name)
+        pictures[f"view_{name}"] = view_picture(lens, wearer, scene, name, gaze)
     progress.step("page")
     contents: dict[str, bytes | str] = {picture.name: picture.png for picture in pictures.values()}
     contents["results.json"] = to_json(results(lens, wearer, findings))
@@ -122,6 +134,7 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
         {name: ask(MapLayer(name)) for name in names},
         {d: ask(MapLayer("defocus", d)) for d in [*distances, "scene"]},
         ask(EllipseLayer()),
+        {name: look(name, lens, wearer, scene) for name in scene.looks},
     )
 
 
@@ -172,11 +185,10 @@ def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str
     return pictures
 
 
-def view_picture(lens: Lens, wearer: Wearer, scene: Any, name: str) -> Picture:
-    """The scene looking far, intermediate or near: with the lens, without it, and sharp through a pinhole."""
+def view_picture(lens: Lens, wearer: Wearer, scene: Any, name: str, gaze: tuple[float, float]) -> Picture:
+    """One look at the scene: with the lens, without it, and sharp through a pinhole. gaze: azimuth and elevation, rad."""
     from ..views.jitter import render_view, side_by_side
 
-    gaze = look(name, lens, wearer)
     seen = {eye: run(Request(lens, wearer, ViewLayer(eye, *gaze), scene)) for eye in EYES}
     naked = render_view(seen["naked"], PASSES)
     drawn = {
@@ -224,8 +236,8 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
             for sheet in findings.ellipses
         ],
         "views": {
-            name: dict(zip(("azimuth", "elevation"), np.degrees(look(name, lens, wearer)), strict=True))
-            for name in LOOKS
+            name: dict(zip(("azimuth", "elevation"), np.degrees(gaze), strict=True))
+            for name, gaze in findings.looks.items()
         },
     }
 
@@ -242,7 +254,7 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         findings=findings,
         pictures=pictures,
         standard=STANDARD,
-        looks=LOOKS,
+        looks=findings.looks,
         inf=math.inf,
         misfit=misfit(lens, wearer),
         prescription=prescription_text,

@@ -1,16 +1,17 @@
-"""A scene: textured triangle meshes, and the rectangle of which scenes are built.
+"""A scene: textured triangle meshes, what there is to look at in it, and the sky behind.
 
 A scene's frame is the wear frame of an eye on the face's midline; `moved` puts it before the right or the left eye.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..optics.conventions import Floats, ReadOnlyArrays, unit
-
-FINEST = float(np.radians(1.05))
+from ..optics.conventions import ReadOnlyArrays
+from .tessellate import Mesh, tessellated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,40 +28,42 @@ class Part(ReadOnlyArrays):
     image: NDArray[np.uint8]
 
 
+class Look(NamedTuple):
+    """Something to look at: its place (x, y, z) in mm, wear frame, and the part that is met there."""
+
+    target: tuple[float, float, float]
+    part: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """What stands before the wearer. background: sRGB 0 to 255 where nothing stands."""
+    """What stands before the wearer. background: sRGB 0 to 255 where nothing stands. looks: by name, the first is the usual.
+
+    sky: drawn behind everything; it is far beyond all objects, and no ray meets it.
+    """
 
     name: str
     parts: tuple[Part, ...]
     background: tuple[int, int, int] = (200, 208, 216)
+    looks: Mapping[str, Look] = field(default_factory=dict)
+    sky: Part | None = None
+    about: str = ""
+
+    @property
+    def drawn(self) -> tuple[Part, ...]:
+        """All that a picture shows: the parts and the sky."""
+        return self.parts if self.sky is None else (*self.parts, self.sky)
 
     def moved(self, x: float) -> "Scene":
-        """The scene moved by x mm towards the wearer's left."""
+        """The scene moved by x mm towards the wearer's left; the sky stays."""
         step = np.array([x, 0.0, 0.0])
-        return replace(self, parts=tuple(replace(p, points=p.points + step) for p in self.parts))
+        looks = {name: Look((k.target[0] + x, *k.target[1:]), k.part) for name, k in self.looks.items()}
+        return replace(self, parts=tuple(replace(p, points=p.points + step) for p in self.parts), looks=looks)
 
 
 def rectangle(name: str, centre: ArrayLike, across: ArrayLike, upward: ArrayLike, image: NDArray[np.uint8]) -> Part:
-    """A textured rectangle, divided so that no side of a cell is wider than 1.05 degrees seen from the lens.
-
-    centre, and half edges across (to the image's right) and upward: (3,) mm, wear frame. Its diagonals stay below 2 degrees.
-    """
+    """A textured rectangle, tessellated. centre, and half edges across (to the image's right) and upward: (3,) mm."""
     c, a, b = (np.asarray(v, dtype=float) for v in (centre, across, upward))
-    s, t = _nodes(c, a, b), _nodes(c, b, a)
-    u, v = (g.ravel() for g in np.meshgrid(s, t))
-    points = c + u[:, None] * a + v[:, None] * b
-    corner = (np.arange(t.size - 1)[:, None] * s.size + np.arange(s.size - 1)).ravel()
-    right, above, opposite = corner + 1, corner + s.size, corner + s.size + 1
-    triangles = np.concatenate([np.stack([corner, right, opposite], 1), np.stack([corner, opposite, above], 1)])
-    return Part(name, points, triangles, np.stack([u + 1, v + 1], axis=-1) / 2, image)
-
-
-def _nodes(centre: Floats, along: Floats, other: Floats) -> Floats:
-    """Parameters in [-1, 1] along one edge, whose steps are at most FINEST wide anywhere across the rectangle."""
-    fine = np.linspace(-1, 1, 401)
-    seen = unit(centre + fine[:, None, None] * along + np.linspace(-1, 1, 41)[:, None] * other)
-    step = np.linalg.norm(np.diff(seen, axis=0), axis=2).max(axis=1)
-    turned = np.concatenate([[0.0], np.cumsum(step)])
-    count = int(np.ceil(turned[-1] / FINEST))
-    return np.interp(np.linspace(0, turned[-1], count + 1), turned, fine)
+    uv = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    corners = Mesh(np.stack([c - a - b, c + a - b, c + a + b, c - a + b]), np.array([[0, 1, 2], [0, 2, 3]]), uv)
+    return Part(name, *tessellated(corners, name), image)

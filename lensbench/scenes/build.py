@@ -1,0 +1,137 @@
+"""From pieces (textured panels and plain things) to a scene: lit, textured and tessellated."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from PIL import Image
+
+from ..optics.conventions import Floats, unit
+from .cast import Caster
+from .drawing import LIGHT_OF_CODE, Colour, Pixels, encode
+from .light import Lights
+from .scene import Look, Part, Scene, rectangle
+from .solids import Solid
+from .tessellate import Mesh, tessellated
+
+BRIGHTEST, _LEVELS, _NODES = 1.5, 256, 48
+EYE_MOVES = 60.0  # mm, from the middle of the face
+
+
+class Panel(NamedTuple):
+    """A textured rectangle. centre, half edges across (to the image's right) and upward: (3,) mm, wear frame.
+
+    shines: it shows its texture as it is, whatever light falls on it.
+    """
+
+    name: str
+    centre: ArrayLike
+    across: ArrayLike
+    upward: ArrayLike
+    image: Pixels
+    shines: bool = False
+
+
+class Thing(NamedTuple):
+    """A solid of one colour; things of one name become one part."""
+
+    name: str
+    solid: Solid
+    colour: Colour
+
+
+def build_scene(
+    name: str, about: str, pieces: Iterable[Panel | Thing], lights: Lights, looks: Mapping[str, Look], **more: object
+) -> Scene:
+    """The scene of some pieces. more: background and sky of the Scene."""
+    panels, things = [], defaultdict(list)
+    for piece in pieces:
+        if isinstance(piece, Panel):
+            panels.append(piece)
+        else:
+            things[piece.name].append(piece)
+    bare = [rectangle(*panel[:5]) for panel in panels]
+    meshes = [(part.points, part.triangles) for part in bare]
+    meshes += [(thing.solid.points, thing.solid.triangles) for group in things.values() for thing in group]
+    caster = Caster(meshes)
+    parts = [_lit_panel(panel, part, lights, caster) for panel, part in zip(panels, bare, strict=True)]
+    parts += [_lit_things(group, lights, caster) for group in things.values()]
+    return Scene(name, tuple(parts), looks=dict(looks), about=about, **more)  # type: ignore[arg-type]
+
+
+# ---- panels: the light is drawn into the texture ----
+
+
+def _lit_panel(panel: Panel, part: Part, lights: Lights, caster: Caster) -> Part:
+    if panel.shines:
+        return part
+    c, a, b = (np.asarray(v, dtype=float) for v in panel[1:4])
+    ratio = np.linalg.norm(a) / np.linalg.norm(b)
+    columns, rows = (int(np.clip(_NODES * r, 6, 80)) for r in (min(ratio, 1.6), min(1 / ratio, 1.6)))
+    u, v = (np.arange(n) * 2 / n + 1 / n - 1 for n in (columns, rows))
+    points = c + u[None, :, None] * a - v[:, None, None] * b
+    normals = np.broadcast_to(unit(np.cross(a, b)), points.shape)
+    light = lights.on(points.reshape(-1, 3), normals.reshape(-1, 3), caster).reshape(rows, columns)
+    image = _at_least(panel.image, 2 * columns, 2 * rows)
+    return Part(part.name, part.points, part.triangles, part.uv, _shaded(image, light))
+
+
+def _at_least(image: Pixels, width: int, height: int) -> Pixels:
+    """The image, enlarged where it is too coarse to carry the light."""
+    if image.shape[1] >= width and image.shape[0] >= height:
+        return image
+    size = max(image.shape[1], width), max(image.shape[0], height)
+    return np.asarray(Image.fromarray(image).resize(size, Image.Resampling.BILINEAR))
+
+
+def _shaded(image: Pixels, light: Floats) -> Pixels:
+    """The image (h, w, 3) under a light (rows, columns) that is stretched over it."""
+    height, width = image.shape[:2]
+    level = Image.fromarray(np.clip(light / BRIGHTEST, 0, 1) * (_LEVELS - 1), "F")
+    fine = np.asarray(level.resize((width, height), Image.Resampling.BICUBIC))
+    fine = np.clip(np.round(fine), 0, _LEVELS - 1).astype(np.intp)
+    return _shades()[fine[..., None], image]
+
+
+def _shades() -> Pixels:
+    """sRGB codes (levels, 256) of every code under every level of light."""
+    return encode(np.linspace(0, BRIGHTEST, _LEVELS)[:, None] * LIGHT_OF_CODE)
+
+
+# ---- things: the light is a place in a ramp of their colour ----
+
+
+def _lit_things(things: list[Thing], lights: Lights, caster: Caster) -> Part:
+    """One part of things: its texture has a row for each colour, from no light to the brightest."""
+    colours = list(dict.fromkeys(thing.colour for thing in things))
+    ramp = _shades()[:, np.array(colours)].swapaxes(0, 1)
+    parts = []
+    for thing in things:
+        row = (len(colours) - colours.index(thing.colour) - 0.5) / len(colours)
+        parts.append(_lit_thing(thing, row, ramp, lights, caster))
+    first = np.cumsum([0, *(len(part.points) for part in parts)])
+    triangles = np.concatenate([part.triangles + n for part, n in zip(parts, first, strict=False)])
+    points, uv = (np.concatenate([getattr(part, name) for part in parts]) for name in ("points", "uv"))
+    return Part(things[0].name, points, triangles, uv, ramp)
+
+
+def _lit_thing(thing: Thing, row: float, ramp: Pixels, lights: Lights, caster: Caster) -> Part:
+    """Tessellated first, so that the light is known at every point."""
+    solid = _before_the_eye(thing.solid)
+    points, triangles, normals = tessellated(Mesh(*solid), thing.name)
+    light = lights.on(points, unit(normals), caster)
+    place = (np.clip(light / BRIGHTEST, 0, 1) * (_LEVELS - 1) + 0.5) / _LEVELS
+    return Part(thing.name, points, triangles, np.column_stack([place, np.full(len(place), row)]), ramp)
+
+
+def _before_the_eye(solid: Solid) -> Solid:
+    """A closed solid without the faces that turn their backs on every eye near the origin."""
+    corner = solid.points[solid.triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    outward = solid.normals[solid.triangles].sum(axis=1)
+    normal *= np.sign(np.einsum("mj,mj->m", normal, outward))[:, None]
+    height = -np.einsum("mj,mj->m", corner[:, 0], normal)
+    seen = height > -EYE_MOVES * np.linalg.norm(normal, axis=1)
+    return solid._replace(triangles=solid.triangles[seen])
