@@ -34,6 +34,7 @@ from .optics.eye import Eye, Wear, Wearer
 from .optics.field import Accommodation, GazeField, ellipse
 from .optics.gaze import (
     GazeGrid,
+    angles_from_direction,
     direction_from_angles,
     look_at,
     look_through,
@@ -73,7 +74,8 @@ def look(name: str | None, lens: Lens, wearer: Wearer, scene: Scene) -> tuple[fl
     name = next(iter(scene.looks)) if name is None else name
     if name not in scene.looks:
         raise InputError(f"look: the scene {scene.name!r} has no {name!r}; it has {', '.join(scene.looks)}")
-    target = np.array(scene.looks[name].target) + [_midline(lens, wearer), 0.0, 0.0]
+    x, y, z = scene.looks[name].target
+    target = np.array([x + _midline(lens, wearer), y, z])
     azimuth, elevation = angles_from_direction(target - wearer.centre_of_rotation)
     return float(azimuth), float(elevation)
 

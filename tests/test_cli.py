@@ -131,8 +131,9 @@ def test_report_asks_for_what_was_said(monkeypatch, capsys, options, folder, dis
     asked = []
     monkeypatch.setattr("lensbench.report.build.build_report", lambda *given: asked.append(given))
     assert main(["report", REGULAR, "-w", str(SAMPLES / "paper_eye.toml"), *options]) == 0
-    lens, wearer, *rest, _ = asked[0]
+    lens, wearer, *rest, _, scene = asked[0]
     assert rest == [folder, distances]
+    assert scene.name == "room"
     assert (lens.side, wearer.eye.accommodation) == ("R", 0.5)
     assert capsys.readouterr().out.strip() == str(folder / "index.html")
 
