@@ -5,21 +5,19 @@ exactly, as are B-spline faces that are graphs over x and y; any other face is s
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from ..errors import InputError, LensBenchError
 from ..optics import surfaces
 from ..optics.as_spline import knot_averages
 from ..optics.conventions import Floats
-from ..optics.lens import Outline, ellipse_outline, polygon_outline
 from ..optics.scattered import fitted_points
 from ..optics.surfaces import Surface
-from .body import Body
+from .body import Body, Face, Place, body_of, joined
 
 SAMPLES = 161  # along u and along v, where a face is refitted
 KNOT_PITCH = 1.5  # mm, of the refitted B-spline
@@ -27,68 +25,10 @@ STEEP = 0.6  # least |z| of the unit normal in a face's middle for it to be the 
 MOST_MISFIT = 0.01  # mm, of a sample from the refitted B-spline
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Face:
-    """A face's surface, the z of that surface's vertex (mm), area (mm2), edge (k, 2) in mm and how it was understood."""
-
-    surface: Surface
-    height: float
-    area: float
-    edge: Floats
-    word: str
-
-    def identity(self) -> tuple[object, ...]:
-        """Equal for pieces of one exact surface; a refitted or spline face is equal to itself only."""
-        shape = id(self) if self.surface.cells.size > 16 else tuple(np.round(self.surface.p, 9))
-        place = (round(v, 6) for v in (self.height, *self.surface.decentration))
-        return (self.surface.kind, shape, *place)
-
-    @property
-    def bulge(self) -> float:
-        """Mean curvature in the middle, 1/mm, positive when the face bulges towards +z."""
-        middle = (self.edge.max(axis=0) + self.edge.min(axis=0)) / 2 - self.surface.decentration
-        _, _, _, fxx, _, fyy = self.surface.derivatives(*middle)
-        return float(-(fxx + fyy) / 2)
-
-
 def read_cad(path: Path) -> Body:
-    """The lens body of a STEP or IGES file. Raises InputError.
-
-    The scene lies on the side to which the faces bulge, as both faces of a meniscus do; a file that bulges towards -z is
-    turned by 180 degrees about y. The face nearer to the scene is the front.
-    """
+    """The lens body of a STEP or IGES file. Raises InputError."""
     shape = _shape(path)
-    found = _lens_faces(path, shape)
-    words = ["axis along z, the scene on the side of +z, to which the faces bulge"]
-    if sum(face.bulge for face in found) < -1e-6:
-        found = _lens_faces(path, _moved(shape, turn=True))
-        words = ["axis along z; turned by 180 degrees about y, for the faces bulge towards -z"]
-    centre = (
-        np.concatenate([f.edge for f in found]).max(axis=0) + np.concatenate([f.edge for f in found]).min(axis=0)
-    ) / 2
-    if not all(_outline(f.edge).contains(0.0, 0.0) for f in found):
-        words.append(
-            f"moved by {-centre[0]:.4g}, {-centre[1]:.4g} mm, for the file's axis does not pass through the lens"
-        )
-        found = _lens_faces(path, _moved(shape, "turned" in words[0], *centre))
-    if len(found) == 1:
-        return Body(found[0].surface, None, 0.0, None, (f"one face: {found[0].word}", *words))
-    back, front = sorted(found, key=lambda face: face.height)
-    if not front.height > back.height:
-        raise InputError(f"{path}: the two largest faces do not lie one before the other along z")
-    edge = min((front, back), key=lambda face: float(np.prod(np.ptp(face.edge, axis=0)))).edge
-    words = [f"front: {front.word}", f"back: {back.word}", *words]
-    return Body(front.surface, back.surface, front.height - back.height, _outline(edge), tuple(words))
-
-
-def _outline(edge: Floats) -> Outline:
-    """The edge of a face about the middle of its box; the box's ellipse where rays from the middle cut it twice."""
-    low, high = edge.min(axis=0), edge.max(axis=0)
-    centre = float(low[0] + high[0]) / 2, float(low[1] + high[1]) / 2
-    try:
-        return polygon_outline(edge, centre)
-    except ValueError:
-        return ellipse_outline(float(high[0] - low[0]), float(high[1] - low[1]), centre)
+    return body_of(path, lambda place: _lens_faces(path, _moved(shape, place)))
 
 
 def _lens_faces(path: Path, shape: Any) -> list[Face]:
@@ -96,18 +36,10 @@ def _lens_faces(path: Path, shape: Any) -> list[Face]:
     pieces: dict[tuple[object, ...], list[Face]] = {}
     for face in (_face(path, f) for f in _faces_across_z(shape)):
         pieces.setdefault(face.identity(), []).append(face)
-    found = sorted((_joined(group) for group in pieces.values()), key=lambda face: -face.area)
+    found = sorted((joined(group) for group in pieces.values()), key=lambda face: -face.area)
     if not found:
         raise InputError(f"{path}: holds no face across z; a lens has its axis along z")
     return found[:2] if len(found) > 1 and found[1].area >= found[0].area / 2 else found[:1]
-
-
-def _joined(pieces: list[Face]) -> Face:
-    """Pieces of one surface, as CAD cuts a ball or a ring along its seam; their edge is the convex hull of all edges."""
-    if len(pieces) == 1:
-        return pieces[0]
-    points = np.concatenate([piece.edge for piece in pieces])
-    return replace(pieces[0], area=sum(piece.area for piece in pieces), edge=points[ConvexHull(points).vertices])
 
 
 # ---- reading ----
@@ -147,15 +79,14 @@ def _shape(path: Path) -> Any:
     return shape
 
 
-def _moved(shape: Any, turn: bool = False, x: float = 0.0, y: float = 0.0) -> Any:
-    """The shape turned by 180 degrees about y, if asked to, and then moved by -x, -y."""
+def _moved(shape: Any, place: Place) -> Any:
     from OCP.gp import gp, gp_Trsf, gp_Vec
     from OCP.TopLoc import TopLoc_Location
 
     turned, shifted = gp_Trsf(), gp_Trsf()
-    if turn:
+    if place.turned:
         turned.SetRotation(gp.OY_s(), np.pi)
-    shifted.SetTranslation(gp_Vec(-x, -y, 0.0))
+    shifted.SetTranslation(gp_Vec(-place.x, -place.y, 0.0))
     return shape.Moved(TopLoc_Location(shifted.Multiplied(turned)))
 
 
@@ -264,9 +195,7 @@ def _graph(adaptor: Any, points: Floats) -> Found | None:
         knots_x, z = knots_x[::-1], z[:, ::-1]
     if knots_y[0] > knots_y[-1]:
         knots_y, z = knots_y[::-1], z[::-1]
-    height = float(surfaces.bspline(knots_x, knots_y, z, degree).sag(0.0, 0.0))
-    if not np.isfinite(height):
-        height = float(z.mean())
+    height = float(np.nan_to_num(surfaces.bspline(knots_x, knots_y, z, degree).sag(0.0, 0.0)))
     word = f"B-spline of degree {degree} with {z.shape[1]} x {z.shape[0]} poles, exact"
     return surfaces.bspline(knots_x, knots_y, z - height, degree, note=word), height, word
 

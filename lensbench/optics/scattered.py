@@ -17,7 +17,10 @@ MOST_CELLS = 64
 
 
 class PointFit(NamedTuple):
-    """A fitted surface, counted from its sag at (0, 0); height (mm): that sag; residuals (n,) mm, points less surface."""
+    """A fitted surface, counted from its sag at (0, 0); height (mm): that sag, or 0 where the surface does not reach it.
+
+    residuals (n,): mm, points less surface.
+    """
 
     surface: Surface
     height: float
@@ -38,7 +41,7 @@ def fitted_points(x: ArrayLike, y: ArrayLike, z: ArrayLike, knot_pitch: float, n
     coefficients = splu((design.T @ design + bend).tocsc()).solve(design.T @ pz)
     residuals = pz - design @ coefficients
     grid = coefficients.reshape(basis_y.shape[1], basis_x.shape[1])
-    height = float(bspline(knots_x, knots_y, grid, DEGREE).sag(0.0, 0.0))
+    height = float(np.nan_to_num(bspline(knots_x, knots_y, grid, DEGREE).sag(0.0, 0.0)))
     return PointFit(bspline(knots_x, knots_y, grid - height, DEGREE, note=note), height, residuals)
 
 

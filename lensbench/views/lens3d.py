@@ -14,6 +14,7 @@ from ..optics.conventions import Floats
 from ..optics.eye import Wearer
 from ..optics.gaze import WornPose, worn_pose
 from ..optics.lens import Lens
+from ..optics.polar_mesh import polar_faces, polar_points
 from . import maps
 from .bands import Bands, extended, map_bands
 from .maps import EYE, INK, QUIET
@@ -37,31 +38,18 @@ class LensMesh(NamedTuple):
 
 def lens_mesh(lens: Lens, pose: WornPose | None = None, rings: int = 40, around: int = 240) -> LensMesh:
     """Meshes of a lens on a polar grid within its outline; in the lens frame, or in the wear frame for a pose."""
-    x, y = lens.outline.points(around)
-    fraction = np.linspace(1 / rings, 1, rings)[:, None]
-    rim = np.stack([x, y], axis=-1) - lens.outline.centre
-    points = np.concatenate([np.zeros((1, 2)), (fraction[..., None] * rim).reshape(-1, 2)]) + lens.outline.centre
+    points = polar_points(lens.outline, rings, around)
     heights = lens.front_height(*points.T), lens.back_height(*points.T)
     front, back = (np.column_stack([points, z]) for z in heights)
     if pose is not None:
         front, back = pose.to_wear(front), pose.to_wear(back)
     exists = np.isfinite(front[:, 2]) & np.isfinite(back[:, 2])
-    faces = tuple(f[exists[f].all(axis=1)] for f in _polar_faces(rings, around))
+    faces = tuple(f[exists[f].all(axis=1)] for f in polar_faces(rings, around))
     here = np.arange(around)
     strip = np.stack([here, np.roll(here, -1), np.roll(here, -1) + around, here + around], axis=-1)
     edge = np.concatenate([back[-around:], front[-around:]])
     strip = strip[np.tile(exists[-around:], 2)[strip].all(axis=1)]
     return LensMesh(*(_polygons(p, f) for p, f in ((front, faces), (back, faces), (edge, (strip,)))), points, faces)
-
-
-def _polar_faces(rings: int, around: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Triangles round the middle vertex and quadrilaterals between the rings, counter-clockwise seen from the scene."""
-    here = np.arange(around)
-    beside = np.roll(here, -1)
-    triangles = np.stack([np.zeros_like(here), 1 + here, 1 + beside], axis=-1)
-    inner = 1 + around * np.arange(rings - 1)[:, None]
-    quads = np.stack([inner + here, inner + around + here, inner + around + beside, inner + beside], axis=-1)
-    return triangles, quads.reshape(-1, 4)
 
 
 def _polygons(points: Floats, faces: Iterable[NDArray[np.intp]]) -> pv.PolyData:
