@@ -11,6 +11,7 @@ from .scattered import fitted_points
 from .surfaces import Surface, bspline
 
 CELL = 1.0  # mm, of the spline that stands for a closed form
+STEEPEST = 2.0  # slope up to which a closed form that ends within the box is followed
 SAME = 1e-9  # mm: two sags that differ by less are the same
 
 
@@ -59,8 +60,10 @@ def _through(surface: Surface, breaks_x: Floats, breaks_y: Floats, repeats: int)
 
 
 def _continued(surface: Surface, x: Floats, y: Floats, z: Floats) -> SplineArrays:
-    there = np.isfinite(z)
+    """As far as the surface is not steep, a spline near it, beyond that one that goes on smoothly."""
     gx, gy = np.meshgrid(x, y)
+    slopes = surface.derivatives(gx, gy)[1:3]
+    there = np.hypot(*slopes) < STEEPEST
     fit = fitted_points(gx[there], gy[there], z[there], 2 * CELL)
     found = as_bspline(fit.surface, (0.0, 0.0, 0.0, 0.0))
     return _measured(surface, found.knots_x, found.knots_y, found.coefficients + fit.height, found.degree)
@@ -69,8 +72,10 @@ def _continued(surface: Surface, x: Floats, y: Floats, z: Floats) -> SplineArray
 def _measured(surface: Surface, knots_x: Floats, knots_y: Floats, coefficients: Floats, degree: int) -> SplineArrays:
     between = [np.linspace(k[0], k[-1], 4 * k.size) for k in (knots_x, knots_y)]
     at = np.meshgrid(*between)
-    misfit = np.abs(bspline(knots_x, knots_y, coefficients, degree).sag(*at) - surface.sag(*at))
-    return SplineArrays(knots_x, knots_y, coefficients, degree, float(np.nanmax(misfit)))
+    wanted = surface.derivatives(*at)
+    misfit = np.abs(bspline(knots_x, knots_y, coefficients, degree).sag(*at) - wanted.f)
+    misfit = misfit[np.hypot(wanted.fx, wanted.fy) < STEEPEST]
+    return SplineArrays(knots_x, knots_y, coefficients, degree, float(misfit.max(initial=0.0)))
 
 
 def _knots(breaks: Floats, degree: int, repeats: int) -> Floats:

@@ -193,7 +193,7 @@ def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, Floats]:
     breaks = np.unique(t[degree : t.size - degree])
     powers = np.zeros((4 if degree <= 3 else 6, breaks.size - 1, t.size - degree - 1))
     for m in range(degree + 1):
-        powers[m] = basis.derivative(m)(breaks[:-1]) / factorial(m) if m else basis(breaks[:-1])
+        powers[m] = basis(breaks[:-1], nu=m) / factorial(m)
     return breaks, powers
 
 
