@@ -14,9 +14,13 @@ from typing import Any
 __version__ = "0.1.0"
 
 _HOME = {
+    "load": "formats",
+    "write": "formats",
     "load_lens": "formats",
     "load_wearer": "formats",
     "load_surface": "formats",
+    "Reading": "formats.surface_data",
+    "Writing": "formats.registry",
     "Lens": "optics.lens",
     "Wearer": "optics.eye",
     "Eye": "optics.eye",

@@ -11,7 +11,8 @@ import lensbench as lb
 from lensbench.errors import InputError
 from lensbench.formats import load
 from lensbench.formats.point_grid import PointGrid
-from lensbench.formats.sdf import read_sdf
+from lensbench.formats.sdf import read as read_sdf
+from lensbench.formats.surface_data import Reading
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.lens import Points
 
@@ -124,9 +125,8 @@ def test_a_grid_means_the_same_in_every_orientation(vertical, horizontal, rows, 
     grid = grid[:, ::-1] if horizontal == "right" else grid
     width, height = (40.0, 30.0) if rows == "horizontal" else (30.0, 40.0)
     grid = grid if rows == "horizontal" else grid.T
-    surface = PointGrid("g", grid, width, height, 1e-6).surface(
-        f"{vertical}-{horizontal}", rows, "eye" if sign < 0 else "scene", 1.6
-    )
+    reading = Reading(first_point=f"{vertical}-{horizontal}", rows=rows, z_towards="eye" if sign < 0 else "scene")
+    surface = PointGrid("g", grid, width, height, 1e-6).fitted(reading).surface
     assert surface.sag(7.3, -4.1) == pytest.approx(saddle(7.3, -4.1), abs=2e-6)
 
 
@@ -302,7 +302,7 @@ def test_a_grid_of_the_other_side_or_face(tmp_path):
     left = LENS.replace('"R"', '"L"').replace(sphere, grid)
     sentence_about(lambda: lb.load_lens(write(tmp_path, left)), "flat.sdf", "side L")
     on_back = LENS.replace('[back]\ntype = "sphere"\nradius = 100.0', f"[back]\n{grid}")
-    sentence_about(lambda: lb.load_lens(write(tmp_path, on_back)), "flat.sdf", "the back of a lens")
+    sentence_about(lambda: lb.load_lens(write(tmp_path, on_back)), "flat.sdf", "face B")
 
 
 def test_an_outline_may_repeat_its_points(tmp_path):

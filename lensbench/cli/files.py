@@ -16,11 +16,11 @@ def add_verbs(verbs: Any) -> None:
 
 def check_file(args: argparse.Namespace) -> None:
     """lensbench check FILE."""
-    from ..formats import load
+    from ..formats import read_file
     from ..output import to_json
     from ..report.facts import file_facts
 
-    facts = file_facts(load(args.file))
+    facts = [fact for item in read_file(args.file).items for fact in file_facts(item)]
     if args.json:
         print(to_json({fact.label: fact.value for fact in facts}))
     else:

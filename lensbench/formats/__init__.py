@@ -1,58 +1,68 @@
-"""Lens, wearer and surface files to objects. One module a format; errors name the file, the key or line, and the reason."""
+"""Lens, wearer and surface files to objects and back. One module a format, one table of them (registry).
 
-from collections.abc import Callable
+Errors name the file, the key or line, and the reason.
+"""
+
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
-from .lens_file import build_lens, read_grids
-from .point_grid import PointGrid
-from .toml_file import read_toml
-from .wearer_file import build_wearer
+from ..optics.surfaces import Surface
+from .own_toml import WEARER_FORMAT
+from .registry import Writing, read_file, write_format
+from .surface_data import Reading, chosen
 
-LENS_FORMAT, WEARER_FORMAT = "lensbench-lens/1", "lensbench-wearer/1"
-
-READERS: dict[str, Callable[[Path, dict[str, Any]], Lens | Wearer]] = {
-    LENS_FORMAT: build_lens,
-    WEARER_FORMAT: build_wearer,
-}
+__all__ = ["load", "load_lens", "load_surface", "load_wearer", "read_file", "write"]
 
 
-def load(path: str | Path) -> Lens | Wearer | PointGrid:
-    """Whatever the file holds: a lens, a wearer, or the point grid of one surface. Raises InputError."""
-    path = Path(path)
-    if path.suffix.lower() != ".toml":
-        return load_surface(path)
-    data = read_toml(path)
-    reader = READERS.get(str(data.get("format")))
-    if reader is None:
-        raise InputError(f"{path}: format: {data.get('format')!r} is not known; write one of {', '.join(READERS)}")
-    return reader(path, data)
+def load(path: str | Path) -> Any:
+    """What the file holds: a lens, a wearer, a surface as read (SurfaceData) or what else there is; several as a tuple.
+
+    Raises InputError.
+    """
+    items = read_file(path).items
+    return items[0] if len(items) == 1 else items
 
 
 def load_lens(path: str | Path) -> Lens:
-    """The lens in a lens file (TOML, format "lensbench-lens/1"). Raises InputError."""
-    found = load(path)
-    if isinstance(found, Lens):
-        return found
-    if isinstance(found, PointGrid):
+    """The lens in a file. Raises InputError."""
+    items = read_file(path).items
+    for item in items:
+        if isinstance(item, Lens):
+            return item
+    if items and hasattr(items[0], "fitted"):
+        held = f"{items[0].side} {items[0].face}"
         raise InputError(
-            f'{path}: holds one surface ({found.side} {found.face}); name it in a lens file: [front] type = "grid", '
-            f'file = "{Path(path).name}"'
+            f'{path}: holds one surface ({held}); name it in a lens file: [front] type = "grid", file = "{Path(path).name}"'
         )
     raise InputError(f"{path}: holds a wearer, not a lens")
 
 
 def load_wearer(path: str | Path) -> Wearer:
-    """The wearer in a wearer file (TOML, format "lensbench-wearer/1"). Raises InputError."""
-    found = load(path)
-    if not isinstance(found, Wearer):
-        raise InputError(f"{path}: holds no wearer; a wearer file begins with format = {WEARER_FORMAT!r}")
-    return found
+    """The wearer in a file. Raises InputError."""
+    for item in read_file(path).items:
+        if isinstance(item, Wearer):
+            return item
+    raise InputError(f"{path}: holds no wearer; a wearer file begins with format = {WEARER_FORMAT!r}")
 
 
-def load_surface(path: str | Path) -> PointGrid:
-    """The first point grid of a surface file (SDF). Raises InputError."""
-    return read_grids(Path(path))[0]
+def load_surface(path: str | Path, reading: Reading | None = None) -> Surface:
+    """The first surface of a file that fits the reading's side and face, ready to be traced. Raises InputError."""
+    reading = reading or Reading()
+    items = [item for item in read_file(path).items if hasattr(item, "fitted")]
+    return chosen(Path(path), items, reading.side, reading.face).fitted(reading).surface
+
+
+def write(path: str | Path, *things: Any, writing: Writing | None = None) -> str:
+    """Write lenses, surfaces or maps in the format that the file's name says; returns one line that says what was written.
+
+    Raises InputError.
+    """
+    from ..output import write_file
+
+    path = Path(path)
+    content, said = write_format(path).load().write(things, writing or Writing())
+    write_file(path, content)
+    return f"{path}: {said}"

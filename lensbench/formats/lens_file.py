@@ -14,8 +14,9 @@ from ..optics import surfaces
 from ..optics.lens import Lens, Order, Outline, Points
 from ..optics.materials import MATERIALS, Material
 from ..optics.surfaces import Surface
-from .point_grid import PointGrid
-from .sdf import read_sdf
+from .orientation import Corner, Rows, Towards
+from .registry import read_file
+from .surface_data import Reading, chosen
 from .toml_file import Pair, Table, validated
 
 OneWay = tuple[float | None, float | None, float | None]
@@ -140,28 +141,26 @@ class Biconic(TwoCurvatures):
 
 
 class Grid(SurfaceTable):
-    """A point file beside the lens file. first_point: corner of its first value, seen from the front of the wearer.
+    """A surface's file beside the lens file. first_point: corner of its first value, seen from the front of the wearer.
 
-    rows: "horizontal" or "vertical"; z_towards: the side to which the file counts positive.
+    rows: "horizontal" or "vertical"; z_towards: the side to which the file counts positive. What is left out is found from
+    the surface's shape.
     """
 
     type: Literal["grid"]
     file: str
-    first_point: Literal["top-left", "top-right", "bottom-left", "bottom-right"] = "top-left"
-    rows: Literal["horizontal", "vertical"] = "horizontal"
-    z_towards: Literal["eye", "scene"] = "eye"
+    first_point: Corner | None = None
+    rows: Rows | None = None
+    z_towards: Towards | None = None
 
     def build(self, face: Face) -> Surface:
         """The surface."""
-        grids = read_grids(face.folder / self.file)
-        fitting = [g for g in grids if g.side in ("", face.side) and g.face in ("", face.name[0].upper())]
-        if not fitting:
-            held = ", ".join(f"{g.side} {g.face}" for g in grids)
-            raise InputError(
-                f"{face.folder / self.file}: holds side and face {held}, but this is the {face.name} of a lens of side "
-                f"{face.side}"
-            )
-        return fitting[0].surface(self.first_point, self.rows, self.z_towards, face.index, **self.pose())
+        path = face.folder / self.file
+        items = [item for item in read_file(path).items if hasattr(item, "fitted")]
+        letter = face.name[0].upper()
+        found = chosen(path, items, face.side, letter)
+        order = self.first_point, self.rows, self.z_towards
+        return found.fitted(Reading(face.side, letter, face.index, *order, pose=self.pose())).surface
 
 
 class BSpline(SurfaceTable):
@@ -363,11 +362,3 @@ def check_body(path: Path, lens: Lens) -> None:
             f"{path}: centre_thickness: the lens is {thickness[k]:.2f} mm thick at x = {x[k]:.1f}, y = {y[k]:.1f} mm; "
             f"with these surfaces it must be more than {least:.2f} mm at the centre"
         )
-
-
-def read_grids(path: Path) -> list[PointGrid]:
-    """The point grids of a surface file, one a block. Raises InputError."""
-    if path.is_file() and path.suffix.lower() != ".sdf":
-        kind = path.suffix or "a file without extension"
-        raise InputError(f"{path}: {kind} is not read; lens and wearer files are .toml, point files are .sdf")
-    return read_sdf(path)

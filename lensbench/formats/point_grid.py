@@ -1,13 +1,14 @@
 """A grid of sags read from a file, and how it becomes a smooth surface."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from ..errors import InputError
 from ..optics.conventions import Floats
-from ..optics.surfaces import Surface, fitted_grid, power_noise
+from ..optics.surfaces import fitted_grid, power_noise
+from .orientation import Orientation
+from .surface_data import Fitted, Reading
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,22 +42,25 @@ class PointGrid:
             f"{self.rounding_step:g} mm: expected power noise at most {noise:.2g} D rms at n = {index:g}"
         )
 
-    def surface(self, first_point: str, rows: str, z_towards: str, index: float, **pose: Any) -> Surface:
-        """Smoothing quintic B-spline through the points, counted from the sag at the centre.
-
-        first_point: corner of the first value, seen from the front ("top-left", ...); rows: "horizontal" or "vertical";
-        z_towards: the side ("eye" or "scene") to which the file counts positive.
-        """
-        z = self.values if rows == "horizontal" else self.values.T
-        width, height = (self.width, self.height) if rows == "horizontal" else (self.height, self.width)
-        vertical, horizontal = first_point.split("-")
+    def fitted(self, reading: Reading) -> Fitted:
+        """Smoothing quintic B-spline through the points, counted from the sag at the centre."""
+        orientation = Orientation(
+            reading.first_point or "top-left", reading.rows or "horizontal", reading.z_towards or "eye"
+        )
+        z, width, height = self.values, self.width, self.height
+        if orientation.rows == "vertical":
+            z, width, height = z.T, height, width
+        vertical, horizontal = orientation.first_point.split("-")
         z = z[::-1] if vertical == "top" else z
         z = z[:, ::-1] if horizontal == "right" else z
-        z = -z if z_towards == "eye" else z
+        z = -z if (orientation.z_towards == "eye") != reading.flip_z else z
         if min(z.shape) < 6:
             raise InputError(f"{self.source}: {z.shape[1]} x {z.shape[0]} points are too few; a surface needs 6 x 6")
         x, y = np.linspace(-width / 2, width / 2, z.shape[1]), np.linspace(-height / 2, height / 2, z.shape[0])
-        surface = fitted_grid(x, y, z, self.rounding_step, **pose)
+        surface = fitted_grid(x, y, z, self.rounding_step, **reading.pose)
         residual = np.std(surface.sag(*np.meshgrid(x, y)) - z)
-        note = f"{self.describe(index)}; fit residual {residual * 1e6:.2g} nm rms; first point {first_point}, "
-        return replace(surface, note=f"{note}rows {rows}, z towards the {z_towards}")
+        note = (
+            f"{self.describe(reading.index)}; fit residual {residual * 1e6:.2g} nm rms; first point "
+            f"{orientation.first_point}, rows {orientation.rows}, z towards the {orientation.z_towards}"
+        )
+        return Fitted(replace(surface, note=note), (("Points", note, self.values.shape),))

@@ -10,12 +10,17 @@ import numpy as np
 
 from ..errors import InputError
 from .point_grid import PointGrid
-from .toml_file import read_text
+from .text import read_text
 
 MOST_POINTS = 4_000_000
 
 
-def read_sdf(path: Path) -> list[PointGrid]:
+def sniff(head: bytes, text: str) -> float:
+    """Certain where there is a SURFMT record; likely where the request is for one."""
+    return 1.0 if "SURFMT=" in text.upper() else 0.0
+
+
+def read(path: Path) -> list[PointGrid]:
     """All surface blocks of an SDF file. Raises InputError with the line of what is wrong."""
     lines = read_text(path).splitlines()
     headers = [k for k, line in enumerate(lines) if line.strip().upper().startswith("SURFMT=")]

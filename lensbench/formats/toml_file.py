@@ -8,6 +8,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from ..errors import InputError
+from .text import read_text
 
 
 class Table(BaseModel):
@@ -28,18 +29,6 @@ class Table(BaseModel):
 
 Pair = Annotated[tuple[float, float], Field(strict=False)]
 T = TypeVar("T", bound=Table)
-
-
-def read_text(path: Path) -> str:
-    """The text of a UTF-8 file, with or without byte order mark. Raises InputError."""
-    try:
-        return path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: byte {error.start} is not text (UTF-8)") from None
 
 
 def read_toml(path: Path) -> dict[str, Any]:

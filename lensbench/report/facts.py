@@ -1,10 +1,10 @@
 """What there is to say in words about a lens and a wearer: labels, values and units, for `check` and for the report."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..formats.point_grid import PointGrid
+from ..formats.surface_data import Reading
 from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
@@ -40,19 +40,17 @@ def misfit(lens: Lens, wearer: Wearer) -> str:
     )
 
 
-def file_facts(found: Lens | Wearer | PointGrid) -> list[Fact]:
-    """What a file holds."""
+def file_facts(found: Any) -> list[Fact]:
+    """What a file holds: a lens, a wearer, one surface, or whatever has facts() of its own."""
     if isinstance(found, Lens):
         return [Fact("File", "a lens", "lens"), *lens_facts(found)]
     if isinstance(found, Wearer):
         return [Fact("File", "a wearer", "wearer"), *wearer_facts(found)]
-    return [
-        Fact("File", f"a surface: side {found.side or '?'}, face {found.face or '?'}", "surface"),
-        Fact("Points", found.describe(1.6), found.values.shape),
-        Fact(
-            "Sag", f"{found.values.min():.4f} to {found.values.max():.4f} mm", [found.values.min(), found.values.max()]
-        ),
-    ]
+    if hasattr(found, "facts"):
+        return [Fact(*fact) for fact in found.facts()]
+    what = f"a surface: side {found.side or '?'}, face {found.face or '?'}"
+    fitted = found.fitted(Reading(found.side, found.face))
+    return [Fact("File", what, "surface"), *(Fact(*fact) for fact in fitted.facts)]
 
 
 def lens_facts(lens: Lens) -> list[Fact]:

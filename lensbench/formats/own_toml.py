@@ -1,0 +1,34 @@
+"""LensBench's own TOML files: the key `format` says which kind one is."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..optics.eye import Wearer
+from ..optics.lens import Lens
+from .lens_file import build_lens
+from .toml_file import read_toml
+from .wearer_file import build_wearer
+
+LENS_FORMAT, WEARER_FORMAT = "lensbench-lens/1", "lensbench-wearer/1"
+
+READERS: dict[str, Callable[[Path, dict[str, Any]], Lens | Wearer]] = {
+    LENS_FORMAT: build_lens,
+    WEARER_FORMAT: build_wearer,
+}
+
+
+def sniff(head: bytes, text: str) -> float:
+    """Certain where the key `format` names one of ours."""
+    return 1.0 if re.search(r'^\s*format\s*=\s*["\']lensbench-', text, re.MULTILINE) else 0.0
+
+
+def read(path: Path) -> tuple[Lens | Wearer]:
+    """The lens or the wearer. Raises InputError."""
+    data = read_toml(path)
+    reader = READERS.get(str(data.get("format")))
+    if reader is None:
+        raise InputError(f"{path}: format: {data.get('format')!r} is not known; write one of {', '.join(READERS)}")
+    return (reader(path, data),)
