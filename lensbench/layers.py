@@ -187,14 +187,15 @@ class EllipseSheet(ReadOnlyArrays):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VoxelField(ReadOnlyArrays):
-    """blur (nz, ny, nx, 2, 2) mm across the outgoing rays; u (nx,), v (ny,): tangents of the gaze; depth (nz,): mm ahead
-    of the centre of rotation; status (ny, nx). NaN where a ray failed or the plane lies behind the lens.
+    """blur (2, 2, ny, nx, nz) float32: four planes M11, M12, M21, M22, mm across the outgoing rays; u (nx,), v (ny,):
+    tangents of the gaze; depth (nz,): mm ahead of the centre of rotation; status (ny, nx). NaN where a ray failed or the
+    plane lies behind the lens.
     """
 
     u: Floats
     v: Floats
     depth: Floats
-    blur: Floats
+    blur: NDArray[np.float32]
     status: NDArray[np.int8]
 
 

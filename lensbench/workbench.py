@@ -44,6 +44,7 @@ from .optics.gaze import (
 from .optics.lens import Lens, Order, Outline
 from .optics.object_distance import model_distance
 from .optics.tolerances import ToleranceLine, verification
+from .optics.voxels import blur_on_planes, distance_to_plane
 from .quantities import QUANTITIES
 from .readings import point_readings
 from .scenes.scene import Part, Scene
@@ -63,7 +64,7 @@ def assumed_wearer(lens: Lens) -> Wearer:
     return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
 
 
-MOST_VOXELS = 50_000_000
+MOST_VOXELS = 100_000_000
 
 
 def look(name: str | None, lens: Lens, wearer: Wearer, scene: Scene) -> tuple[float, float]:
@@ -225,14 +226,8 @@ def ellipse_sheets(layer: EllipseLayer, request: Request) -> tuple[EllipseSheet,
     return tuple(_sheet(field, depth, layer.accommodation) for depth in layer.depths)
 
 
-def _to_plane(field: GazeField, z: Any) -> Floats:
-    """Distance (..., n) along each outgoing ray to the planes z (mm, wear frame); NaN where the plane lies behind."""
-    along = (z - field.origin[:, 2]) / field.direction[:, 2]
-    return np.where(along > 0, along, np.nan)
-
-
 def _sheet(field: GazeField, depth: float, rule: Accommodation) -> EllipseSheet:
-    distance = _to_plane(field, depth)
+    distance = distance_to_plane(field, depth)
     used = field.accommodation(distance, rule)
     blur = field.blur(distance, used)
     centre = field.origin + distance[:, None] * field.direction
@@ -252,11 +247,9 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
     _some_ray_passes(field)
     ndc = np.linspace(0.0, 1.0, layer.nz)
     depth = layer.near * layer.far / (layer.far - ndc * (layer.far - layer.near))
-    planes = request.wearer.centre_of_rotation[2] + depth[:, None]
-    blur = field.blur(_to_plane(field, planes), layer.accommodation)
+    blur = blur_on_planes(field, request.wearer.centre_of_rotation[2] + depth, layer.accommodation)
     u, v = grid.axes()
-    shape = (layer.nz, layer.ny, layer.nx, 2, 2)
-    return VoxelField(u, v, depth, blur.reshape(shape), field.status.reshape(field.shape))
+    return VoxelField(u, v, depth, blur.reshape(2, 2, *field.shape, depth.size), field.status.reshape(field.shape))
 
 
 @_answer.register

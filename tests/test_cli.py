@@ -66,7 +66,7 @@ def test_voxels_as_npz(tmp_path):
     path = tmp_path / "blur.npz"
     assert main(["voxels", REGULAR, "-n", "6", "5", "4", "-o", str(path)]) == 0
     with np.load(path) as file:
-        assert file["blur"].shape == (4, 5, 6, 2, 2)
+        assert file["blur"].shape == (2, 2, 5, 6, 4)
 
 
 def test_doctor_names_versions_and_threads(capsys):

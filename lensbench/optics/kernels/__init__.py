@@ -21,8 +21,8 @@ def _cache_folder() -> str:
 
 _previous = config.CACHE_DIR
 config.CACHE_DIR = _previous or _cache_folder()
-from . import aim, outline, refract, surface, trace  # noqa: E402
+from . import aim, outline, refract, surface, trace, voxels  # noqa: E402
 
 config.CACHE_DIR = _previous
 
-__all__ = ["aim", "outline", "refract", "surface", "trace"]
+__all__ = ["aim", "outline", "refract", "surface", "trace", "voxels"]
