@@ -16,6 +16,7 @@ from .lens import Lens
 from .surfaces import Surface
 
 MOST_STEPS = 30
+CLOSE = 1e-6  # of the distance: one more step of Newton's method then leaves less than 1e-11
 CHUNK = 4096  # rays whose intermediate results stay in the processor's cache
 
 
@@ -216,38 +217,37 @@ def look_at(lens: Lens | None, wearer: Wearer, points: ArrayLike, within_outline
     line = np.asarray(points, dtype=float).reshape(-1, 3) - wearer.centre_of_rotation
     behind = line[:, 2] <= 0
     line[behind] = [0.0, 0.0, 1.0]
-    target, gaze = wearer.centre_of_rotation + line, unit(line)
-    reason, lost = np.zeros(len(gaze), dtype=np.int8), behind
+    target, gaze, distance = wearer.centre_of_rotation + line, unit(line), np.linalg.norm(line, axis=1)
+    reason = np.zeros(len(gaze), dtype=np.int8)
     if lens is not None:
-        gaze, miss, reason = _aim(lens, wearer, target, gaze)
-        lost = behind | ~(miss <= 1e-9 * np.linalg.norm(line, axis=1))
+        gaze, reason = _aim(lens, wearer, target, gaze, CLOSE * distance)
     field = _field(lens, wearer, gaze, (len(gaze),), within_outline)
-    lost = lost | ~(field.distances_to(target) > -1e-6)
+    along = field.distances_to(target)
+    miss = np.linalg.norm(target - field.origin - along[:, None] * field.direction, axis=1)
+    lost = behind | ~(along > -1e-6) | ~(miss <= 1e-9 * distance)
     field = field.with_status(lost & (field.status == Status.OK), Status.NOT_CONVERGED)
     return replace(field, status=np.where(lost & (reason != Status.OK), reason, field.status))
 
 
-def _aim(lens: Lens, wearer: Wearer, points: Floats, straight: Floats) -> tuple[Floats, Floats, NDArray[np.int8]]:
-    """Gazes (n, 3) at the points (n, 3), from those (n, 3) straight at them; by how much each misses, mm; its first failure."""
-    target, gaze = np.ascontiguousarray(points.T), np.ascontiguousarray(straight.T)
-    enough = 1e-11 * np.linalg.norm(points - wearer.centre_of_rotation, axis=1)
+def _aim(
+    lens: Lens, wearer: Wearer, points: Floats, straight: Floats, close: Floats
+) -> tuple[Floats, NDArray[np.int8]]:
+    """Gazes (n, 3) at the points (n, 3), from those (n, 3) straight at them, and each one's first failure (n,).
+
+    Each is turned once more after its ray has come `close` (n,), mm.
+    """
+    target, gaze = np.ascontiguousarray(points.T), np.array(straight.T, order="C")
     passed = np.repeat([[0.0], [0.0], [1.0]], len(points), axis=1)
-    miss, reason = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.int8)
-    seeking = np.arange(len(points))
+    miss, reason, seeking = np.empty(len(points)), np.zeros(len(points), dtype=np.int8), np.arange(len(points))
     for _ in range(MOST_STEPS):
-        tried = np.take(gaze, seeking, axis=1)
-        out, status = _through(lens, wearer.wear, _chief_rays(wearer, tried), seeking.size, _endless_outline())
-        turned = np.empty((4, seeking.size))
-        kernels.aim.turn(out, tried, np.take(target, seeking, axis=1), wearer.eye.pupil_from_rotation, turned)
-        miss[seeking] = turned[3]
-        reason[seeking] = np.where(reason[seeking] == Status.OK, status, reason[seeking])
-        far = ~(turned[3] <= enough[seeking])
-        seeking, ok, turned, tried = seeking[far], status[far] == Status.OK, turned[:3, far], tried[:, far]
+        rays = _chief_rays(wearer, np.take(gaze, seeking, axis=1))
+        out, status = _through(lens, wearer.wear, rays, seeking.size, _endless_outline())
+        lever = wearer.eye.pupil_from_rotation
+        kernels.aim.turn(out, status, seeking, target, lever, passed, gaze, miss, reason)
+        seeking = seeking[~(miss[seeking] <= close[seeking])]
         if not seeking.size:
             break
-        passed[:, seeking] = np.where(ok, tried, passed[:, seeking])
-        gaze[:, seeking] = np.where(ok, turned, unit((tried + passed[:, seeking]).T).T)
-    return gaze.T, miss, reason
+    return gaze.T, reason
 
 
 def look_through(lens: Lens, wearer: Wearer, x: ArrayLike, y: ArrayLike) -> GazeField:
