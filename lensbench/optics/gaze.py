@@ -134,17 +134,22 @@ def _through(
 ) -> tuple[Floats, NDArray[np.int8]]:
     """The first n of the rays (6, >= n) through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
     out, status = _rows(28, n), np.empty(n, dtype=np.int8)
-    pose = worn_pose(lens, wear)
-    back, front = _posed(lens.back, pose, 0.0), _posed(lens.front, pose, lens.centre_thickness)
+    back, front, _ = worn = _worn(lens, wear)
     for first in range(0, n, CHUNK):
         at_back, at_front = np.empty((2, 9, min(CHUNK, n - first)))
         _kernel(lens.back)(back, 1.0, lens.index, rays, out[:6], at_back, first)
         _kernel(lens.front)(front, lens.index, 1.0, out[:6], out[6:12], at_front, first)
         kernels.trace.compose(at_back, at_front, lens.index, first, out)
-    kernels.trace.finish(
-        (back, front, np.concatenate([pose.rotation.ravel(), pose.shift])), lens.index, outline, rays, out, status
-    )
+    kernels.trace.finish(worn, lens.index, outline, rays, out, status)
     return out, status
+
+
+@lru_cache(maxsize=16)
+def _worn(lens: Lens, wear: Wear) -> tuple[Any, Any, Floats]:
+    """The lens as kernels.trace takes it: back surface, front surface and pose (12,)."""
+    pose = worn_pose(lens, wear)
+    back, front = _posed(lens.back, pose, 0.0), _posed(lens.front, pose, lens.centre_thickness)
+    return back, front, np.concatenate([pose.rotation.ravel(), pose.shift])
 
 
 def _posed(surface: Surface, pose: WornPose, height: float) -> tuple[Any, ...]:

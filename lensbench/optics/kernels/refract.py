@@ -27,7 +27,7 @@ kernel = nb.njit(nogil=True, cache=True, parallel=True, error_model="numpy", fas
 
 def compiled(kind):
     """A kernel of this module, compiled when it is first needed: few lenses need all of them."""
-    if not kind.signatures:
+    if not kind.overloads:
         kind.compile(SIGNATURE)
         kind.disable_compile()
     return kind
