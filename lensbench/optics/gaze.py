@@ -17,6 +17,7 @@ from .surfaces import Surface
 
 MOST_STEPS = 30
 CLOSE = 1e-6  # of the distance: one more step of Newton's method then leaves less than 1e-11
+ENDLESS = np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)  # an outline that holds every point
 CHUNK = 4096  # rays whose intermediate results stay in the processor's cache
 
 
@@ -116,11 +117,7 @@ def trace_rays(lens: Lens, wear: Wear, start: ArrayLike, direction: ArrayLike) -
     rays = _rows(6, len(d))
     rays[:3, : len(d)] = np.broadcast_to(np.asarray(start, dtype=float), d.shape).T
     rays[3:, : len(d)] = d.T
-    return _traced_rays(*_through(lens, wear, rays, len(d), _endless_outline()))
-
-
-def _endless_outline() -> tuple[Floats, Floats, Floats]:
-    return np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)
+    return _traced_rays(*_through(lens, wear, rays, len(d), within_outline=False))
 
 
 def _rows(count: int, n: int) -> Floats:
@@ -129,27 +126,27 @@ def _rows(count: int, n: int) -> Floats:
     return np.empty((count, width + 8 if width % 64 == 0 else width))
 
 
-def _through(
-    lens: Lens, wear: Wear, rays: Floats, n: int, outline: tuple[Floats, ...]
-) -> tuple[Floats, NDArray[np.int8]]:
+def _through(lens: Lens, wear: Wear, rays: Floats, n: int, within_outline: bool) -> tuple[Floats, NDArray[np.int8]]:
     """The first n of the rays (6, >= n) through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
     out, status = _rows(28, n), np.empty(n, dtype=np.int8)
-    back, front, _ = worn = _worn(lens, wear)
+    worn, outline = _worn(lens, wear)
+    back, front, _ = worn
     for first in range(0, n, CHUNK):
         at_back, at_front = np.empty((2, 9, min(CHUNK, n - first)))
         _kernel(lens.back)(back, 1.0, lens.index, rays, out[:6], at_back, first)
         _kernel(lens.front)(front, lens.index, 1.0, out[:6], out[6:12], at_front, first)
         kernels.trace.compose(at_back, at_front, lens.index, first, out)
+    outline = outline if within_outline else ENDLESS
     kernels.trace.finish(worn, lens.index, outline, rays, out, status)
     return out, status
 
 
 @lru_cache(maxsize=16)
-def _worn(lens: Lens, wear: Wear) -> tuple[Any, Any, Floats]:
-    """The lens as kernels.trace takes it: back surface, front surface and pose (12,)."""
+def _worn(lens: Lens, wear: Wear) -> tuple[tuple[Any, Any, Floats], tuple[Floats, Floats, Floats]]:
+    """The worn lens as the kernels take it: (back surface, front surface, pose (12,)) and its outline."""
     pose = worn_pose(lens, wear)
     back, front = _posed(lens.back, pose, 0.0), _posed(lens.front, pose, lens.centre_thickness)
-    return back, front, np.concatenate([pose.rotation.ravel(), pose.shift])
+    return (back, front, np.concatenate([pose.rotation.ravel(), pose.shift])), lens.outline.shape_arrays()
 
 
 def _posed(surface: Surface, pose: WornPose, height: float) -> tuple[Any, ...]:
@@ -169,7 +166,7 @@ def _kernel(surface: Surface) -> Callable[..., None]:
 
 def _traced_rays(out: Floats, status: NDArray[np.int8]) -> TracedRays:
     out = out[:, : status.size]
-    return TracedRays(out[:3].T, out[6:9].T, out[9:12].T, np.moveaxis(out[12:].reshape(4, 4, -1), 2, 0), status)
+    return TracedRays(out[:3].T, out[6:9].T, out[9:12].T, out[12:].reshape(4, 4, -1).transpose(2, 0, 1), status)
 
 
 def trace(lens: Lens | None, wearer: Wearer, gaze: GazeGrid | ArrayLike) -> GazeField:
@@ -188,8 +185,8 @@ def _field(
     if lens is None:
         rays = _naked_rays(wearer, directions)
     else:
-        outline = lens.outline.shape_arrays() if within_outline else _endless_outline()
-        rays = _traced_rays(*_through(lens, wearer.wear, _chief_rays(wearer, directions.T), len(directions), outline))
+        started = _chief_rays(wearer, directions.T)
+        rays = _traced_rays(*_through(lens, wearer.wear, started, len(directions), within_outline))
     arrays = (rays.entry, rays.exit, rays.direction, rays.transfer, rays.status)
     return GazeField(lens, wearer, directions, *arrays, shape)
 
@@ -246,7 +243,7 @@ def _aim(
     miss, reason, seeking = np.empty(len(points)), np.zeros(len(points), dtype=np.int8), np.arange(len(points))
     for _ in range(MOST_STEPS):
         rays = _chief_rays(wearer, np.take(gaze, seeking, axis=1))
-        out, status = _through(lens, wearer.wear, rays, seeking.size, _endless_outline())
+        out, status = _through(lens, wearer.wear, rays, seeking.size, within_outline=False)
         lever = wearer.eye.pupil_from_rotation
         kernels.aim.turn(out, status, seeking, target, lever, passed, gaze, miss, reason)
         seeking = seeking[~(miss[seeking] <= close[seeking])]

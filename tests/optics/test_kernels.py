@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from lensbench.optics import kernels, surfaces
 from lensbench.optics.conventions import Status
 from lensbench.optics.eye import Wear
-from lensbench.optics.gaze import CHUNK, _endless_outline, _kernel, _traced_rays, _worn, trace_rays
+from lensbench.optics.gaze import CHUNK, ENDLESS, _kernel, _traced_rays, _worn, trace_rays
 from lensbench.optics.lens import Outline, polygon_outline
 
 WEAR = Wear(13.0, 0.15, 0.09, (1.5, -2.5))
@@ -28,7 +28,7 @@ def traced_surely(lens, start, direction):
     n = len(start)
     rays = np.ascontiguousarray(np.concatenate([start, direction], axis=1).T)
     out, status = np.full((28, n), np.nan), np.empty(n, dtype=np.int8)
-    kernels.trace.finish(_worn(lens, WEAR), lens.index, _endless_outline(), rays, out, status)
+    kernels.trace.finish(_worn(lens, WEAR)[0], lens.index, ENDLESS, rays, out, status)
     return _traced_rays(out, status)
 
 
