@@ -30,6 +30,13 @@ _HOME = {
     "trace": "optics.gaze",
     "look_at": "optics.gaze",
     "look_through": "optics.gaze",
+    "gauss_pupil": "optics.pupil",
+    "vogel_pupil": "optics.pupil",
+    "back_vertex_power": "optics.lensmeter",
+    "front_vertex_power": "optics.lensmeter",
+    "surface_power": "optics.lensmeter",
+    "verification": "optics.tolerances",
+    "model_distance": "optics.object_distance",
     "Status": "optics.conventions",
 }
 

@@ -50,6 +50,18 @@ class VerificationLayer:
 
 
 @dataclass(frozen=True, slots=True)
+class RealRaysLayer:
+    """First order against real rays through the whole pupil, for objects at `distances` (as in MapLayer).
+
+    samples: along the longer side of the lens.
+    """
+
+    distances: tuple[float | str, ...] = (np.inf, 780.0, 400.0)
+    samples: int = 31
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
 class EllipseLayer:
     """Ellipses of confusion on planes straight ahead, at depths (mm) from the back vertex, on an n x n gaze grid."""
 
@@ -90,7 +102,9 @@ class ViewLayer:
     accommodation: Accommodation = "retina"
 
 
-Layer = MapLayer | ProfileLayer | PointsLayer | VerificationLayer | EllipseLayer | VoxelLayer | ViewLayer
+Layer = (
+    MapLayer | ProfileLayer | PointsLayer | VerificationLayer | RealRaysLayer | EllipseLayer | VoxelLayer | ViewLayer
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,6 +183,43 @@ class PointReading:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class RealRaysCheck(ReadOnlyArrays):
+    """Blur of n gazes for objects at `distance`: angular diameter 2|eps| on the retina, arcmin, to the first order and by
+    the second moments of real rays through the whole pupil; higher_order_rms (n,): of the wave aberration, um.
+    """
+
+    distance: float | str
+    first_order: Floats
+    real_rays: Floats
+    higher_order_rms: Floats
+
+    @property
+    def deviation(self) -> Floats:
+        """First order less real rays (n,), arcmin."""
+        return self.first_order - self.real_rays
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Spot(ReadOnlyArrays):
+    """Real rays of one gaze at objects `distance` mm away. points (m, 2): landing points about the chief ray, arcmin, along
+    e1 (wearer's left) and e2 (up); first_order (2, 2): matrix of the first-order ellipse of confusion, arcmin.
+    """
+
+    name: str
+    distance: float
+    points: Floats
+    first_order: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RealRays:
+    """What the first order leaves out: one check a distance, and spots at chosen gazes."""
+
+    checks: tuple[RealRaysCheck, ...]
+    spots: tuple[Spot, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class EllipseSheet(ReadOnlyArrays):
     """Ellipses on one plane at `depth` mm. centre (n, 3) mm; spokes (n, 3, 2): images of the pupil's unit vectors, mm.
 
@@ -235,6 +286,7 @@ Result = (
     | Profile
     | tuple[PointReading, ...]
     | tuple[ToleranceLine, ...]
+    | RealRays
     | tuple[EllipseSheet, ...]
     | VoxelField
     | SeenScene

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from .optics.bundle import Wavefront
 from .optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from .optics.field import Accommodation, GazeField
 from .optics.gaze import worn_pose
@@ -48,6 +49,21 @@ QUANTITIES = {
     "prism_vertical": Quantity("Vertical prism, + base up", "cm/m", lambda f, s, a: f.prism_components()[:, 1]),
     "magnification": Quantity("Magnification", "x", lambda f, s, a: _area_magnification(f.magnification(s))),
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f), "along the lens's axis"),
+    # by real rays through the whole pupil
+    "defocus_by_real_rays": Quantity(
+        "Defocus 2|ε| by real rays", "arcmin", lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus()) * 60
+    ),
+    "defocus_left_out": Quantity(
+        "Defocus 2|ε|, real rays less first order",
+        "arcmin",
+        lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus() - f.defocus(s, a)) * 60,
+    ),
+    "higher_order_rms": Quantity(
+        "Higher-order aberrations, rms", "µm", lambda f, s, a: _wavefront(f, s, a).higher_order_rms()
+    ),
+    "coma": Quantity("Coma, rms of both terms", "µm", lambda f, s, a: np.hypot(*_zernike(f, s, a)[:, 7:9].T)),
+    "trefoil": Quantity("Trefoil, rms of both terms", "µm", lambda f, s, a: np.hypot(*_zernike(f, s, a)[:, [6, 9]].T)),
+    "spherical_aberration": Quantity("Spherical aberration", "µm", lambda f, s, a: _zernike(f, s, a)[:, 12]),
     # by focimeter and of the surfaces: no eye, no position of wear, no object distance
     "lensmeter_mean_power": Quantity(
         "Lensmeter mean power", "D", lambda f, s, a: mean_power(_by_lensmeter(f).power), _BY_LENSMETER
@@ -100,6 +116,14 @@ QUANTITIES = {
 def _area_magnification(m: Floats) -> Floats:
     """Linear magnification of equal area: the root of the determinant."""
     return np.sqrt(np.abs(m[..., 0, 0] * m[..., 1, 1] - m[..., 0, 1] * m[..., 1, 0]))
+
+
+def _wavefront(field: GazeField, distance: Any, rule: Accommodation) -> Wavefront:
+    return field.bundle(distance, rule).wavefront()
+
+
+def _zernike(field: GazeField, distance: Any, rule: Accommodation) -> Floats:
+    return _wavefront(field, distance, rule).zernike()
 
 
 def _lens_points(field: GazeField) -> tuple[Lens, Floats, Floats]:

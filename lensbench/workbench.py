@@ -21,6 +21,8 @@ from .layers import (
     PointsLayer,
     Profile,
     ProfileLayer,
+    RealRays,
+    RealRaysLayer,
     Request,
     SeenPart,
     SeenScene,
@@ -47,6 +49,7 @@ from .optics.tolerances import ToleranceLine, verification
 from .optics.voxels import blur_on_planes, distance_to_plane
 from .quantities import QUANTITIES
 from .readings import point_readings
+from .real_rays import compare
 from .scenes.scene import Part, Scene
 
 # ---- who looks, and where to ----
@@ -131,6 +134,7 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     values[inside] = quantity.values(field, distance, layer.accommodation)
     status = np.full(inside.size, np.int8(Status.OUTSIDE_OUTLINE))
     status[inside] = field.status
+    status[np.isnan(values) & (status == Status.OK)] = Status.BUNDLE_CUT
     shape = (y.size, x.size)
     return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
 
@@ -215,6 +219,14 @@ def reference_readings(layer: PointsLayer, request: Request) -> tuple[PointReadi
 def verified_lines(layer: VerificationLayer, request: Request) -> tuple[ToleranceLine, ...]:
     """Focimeter readings against the order; none for a lens without an order."""
     return verification(_needed_lens(request))
+
+
+@_answer.register
+def real_ray_checks(layer: RealRaysLayer, request: Request) -> RealRays:
+    """First order against real rays over the lens."""
+    _, _, _, field = _map_field(_needed_lens(request), *_geometry(request.wearer), layer.samples)
+    field = replace(field, wearer=request.wearer)
+    return compare(field, layer, lambda distance, rays: _object_distance(distance, rays, request))
 
 
 @_answer.register

@@ -74,6 +74,17 @@ def test_numbers_are_those_of_the_workbench(folder, wearer):
     assert len(found["defocus"]) == 3
 
 
+def test_first_order_against_real_rays_is_said(folder):
+    found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    rows = found["first_order_against_real_rays"]
+    assert [row["objects"] for row in rows] == list(found["defocus"])
+    assert all(0 < row["deviation_median"] <= row["deviation_p90"] < 2 for row in rows)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert f"{rows[1]['deviation_median']:.2f}; {rows[1]['deviation_p90']:.2f}" in page
+    assert "ANSI Z80.1-2015" in page
+    assert "outside by 1.2" in page
+
+
 def test_every_number_has_a_unit(folder):
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     rows = [*found["reference_points"], found["profile"], *found["ellipses"]]

@@ -35,6 +35,7 @@ class Status(IntEnum):
     OUTSIDE_OUTLINE = 3
     NOT_CONVERGED = 4
     TOTAL_INTERNAL_REFLECTION = 5
+    BUNDLE_CUT = 6  # in maps: the chief ray passes, but not every other ray that the quantity needs
 
 
 class SphereCylinderAxis(NamedTuple):

@@ -26,7 +26,9 @@ from .conventions import (
 from .eye import Eye, Wearer
 
 if TYPE_CHECKING:
+    from .bundle import Bundle
     from .lens import Lens
+    from .pupil import Pupil
 
 ACCOMMODATION_RULES = ("retina", "object", "paper")
 
@@ -190,6 +192,17 @@ class GazeField(ReadOnlyArrays):
         Kakimoto, Tatsukawa & Nishita 2010, section 5.3 (the dynamic defocus map).
         """
         return np.sqrt(2.0) * np.linalg.norm(self.retinal_blur(distance, accommodation), axis=(-2, -1))
+
+    def bundle(
+        self, distance: ArrayLike, accommodation: Accommodation = "retina", pupil: "Pupil | None" = None
+    ) -> "Bundle":
+        """Real rays through the whole pupil to objects at `distance` (a number or (n,)): what the first order leaves out.
+
+        pupil: sample points, see optics.pupil; 6 rings of 16 points if left out. Traces the lens again.
+        """
+        from .bundle import trace_bundle
+
+        return trace_bundle(self, distance, accommodation, pupil)
 
     # -- what a lens designer reads ------------------------------------------------------------------------------------
 

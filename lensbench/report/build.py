@@ -21,6 +21,8 @@ from ..layers import (
     PointsLayer,
     Profile,
     ProfileLayer,
+    RealRays,
+    RealRaysLayer,
     Request,
     VerificationLayer,
     ViewLayer,
@@ -35,7 +37,7 @@ from ..scenes.scene import Scene
 from ..workbench import look, run
 from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
 from .progress import Progress
-from .tables import distance_text, map_numbers
+from .tables import BLURRED, distance_text, map_numbers, real_rays_rows
 
 DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
@@ -51,7 +53,9 @@ UNITS = {
     "sphere": "D", "cylinder": "D", "mean_power": "D", "least_power": "D", "greatest_power": "D", "astigmatism": "D",
     "mean_error": "D", "astigmatic_error": "D", "accommodation": "D", "prism_error": "cm/m", "exaggeration": "1",
     "lensmeter_sphere": "D", "lensmeter_cylinder": "D", "lensmeter_axis": "degrees TABO", "lensmeter_prism": "cm/m",
-    "lensmeter_prism_base": "degrees TABO, 0 to 360",
+    "lensmeter_prism_base": "degrees TABO, 0 to 360", "blur_median": "arcmin", "blur_p90": "arcmin",
+    "deviation_median": "arcmin", "deviation_p90": "arcmin", "relative_deviation_median": "%",
+    "relative_deviation_p90": "%", "higher_order_rms_median": "um", "higher_order_rms_p90": "um",
 }  # fmt: skip
 
 
@@ -68,6 +72,7 @@ class Findings:
     defocus: dict[float | str, LensMap]
     ellipses: tuple[EllipseSheet, ...]
     looks: dict[str, tuple[float, float]]
+    real_rays: RealRays
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,6 +140,7 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
         {d: ask(MapLayer("defocus", d)) for d in [*distances, "scene"]},
         ask(EllipseLayer()),
         {name: look(name, lens, wearer, scene) for name in scene.looks},
+        ask(RealRaysLayer((*distances, "scene"))),
     )
 
 
@@ -156,6 +162,17 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
         profile_figure(lens, findings.profile, "through the fitting and near reference points, objects at infinity"),
     )
     pictures["section"] = _picture("section", "Vertical and horizontal section", section_figure(lens))
+    return pictures | _real_rays_pictures(lens, findings.real_rays)
+
+
+def _real_rays_pictures(lens: Lens, found: RealRays) -> dict[str, Picture]:
+    from ..views.real_rays import real_rays_figure, spots_figure
+
+    compared = real_rays_figure(lens, found, [distance_text(check.distance) for check in found.checks])
+    pictures = {"real_rays": _picture("real_rays", "First order against real rays", compared)}
+    if found.spots:
+        spots = spots_figure(lens, found.spots, [distance_text(float(f"{s.distance:.3g}")) for s in found.spots])
+        pictures["spots"] = _picture("spots", "Spots and ellipses of confusion", spots)
     return pictures
 
 
@@ -235,6 +252,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
             {k: v for k, v in asdict(sheet).items() if k != "spokes"} | {"exaggeration": fitting_exaggeration(sheet)}
             for sheet in findings.ellipses
         ],
+        "first_order_against_real_rays": real_rays_rows(findings.real_rays),
         "views": {
             name: dict(zip(("azimuth", "elevation"), np.degrees(gaze), strict=True))
             for name, gaze in findings.looks.items()
@@ -255,6 +273,8 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         pictures=pictures,
         standard=STANDARD,
         looks=findings.looks,
+        real_rays=real_rays_rows(findings.real_rays),
+        blurred=BLURRED,
         inf=math.inf,
         misfit=misfit(lens, wearer),
         prescription=prescription_text,

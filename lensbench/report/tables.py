@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..layers import EllipseSheet, LensMap, VoxelField
+from ..layers import EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
 from ..optics.conventions import Status
 
 
@@ -37,6 +37,36 @@ def map_csv(lens_map: LensMap) -> str:
         value, status = lens_map.values[j, i], Status(lens_map.status[j, i])
         writer.writerow([f"{lens_map.x[i]:.4f}", f"{lens_map.y[j]:.4f}", f"{value:.6g}", status.name])
     return out.getvalue()
+
+
+BLURRED = 1.0  # arcmin
+
+
+def real_rays_rows(found: RealRays) -> list[dict[str, Any]]:
+    """One dictionary a distance: how far the first order is from real rays, medians and 90th percentiles over the gazes.
+
+    blur: 2|eps| by real rays, deviation: of the first order from it, arcmin; relative_deviation: per cent of the blur, over
+    the gazes whose blur is more than BLURRED; higher_order_rms: um.
+    """
+    return [_real_rays_row(check) for check in found.checks]
+
+
+def _real_rays_row(check: RealRaysCheck) -> dict[str, Any]:
+    known = np.isfinite(check.real_rays)
+    blur, off = check.real_rays[known], np.abs(check.deviation[known])
+    blurred = blur > BLURRED
+    spreads = {
+        "blur": blur,
+        "deviation": off,
+        "relative_deviation": 100 * off[blurred] / blur[blurred],
+        "higher_order_rms": check.higher_order_rms[known],
+    }
+    middle = {
+        f"{name}_{word}": float(np.percentile(values, share)) if values.size else math.nan
+        for name, values in spreads.items()
+        for word, share in (("median", 50), ("p90", 90))
+    }
+    return {"objects": distance_text(check.distance), "gazes": blur.size, "blurred": int(blurred.sum()), **middle}
 
 
 def ellipse_rows(sheets: tuple[EllipseSheet, ...]) -> list[dict[str, Any]]:

@@ -38,6 +38,7 @@ class MapStyle:
 _SIGNED = ("Purples", "YlOrBr")
 _AMOUNT = ("YlGnBu",)
 _PRISM_STEPS = (0.5, 1.0, 2.0, 5.0, 10.0)
+_FINE = tuple(m * 10.0**e for e in range(-4, 3) for m in (1, 2, 5))
 _ANY_STEPS = tuple(m * 10.0**e for e in range(-4, 12) for m in (1, 2, 5))
 _ARCMIN = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 90.0, 120.0, 180.0, 300.0)
 
@@ -57,6 +58,12 @@ STYLES = {
     "prism_vertical": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "magnification": MapStyle(_SIGNED, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5), centre=1.0),
     "thickness": MapStyle(("GnBu",), (0.2, 0.5, 1.0, 2.0), decimals=1),
+    "defocus_by_real_rays": MapStyle(("magma_r",), label_every=1, decimals=0, levels=_ARCMIN),
+    "defocus_left_out": MapStyle(_SIGNED, _FINE, decimals=2),
+    "higher_order_rms": MapStyle(_AMOUNT, _FINE),
+    "coma": MapStyle(_AMOUNT, _FINE),
+    "trefoil": MapStyle(_AMOUNT, _FINE),
+    "spherical_aberration": MapStyle(_SIGNED, _FINE, decimals=3),
     "front_surface_mean_power": MapStyle(_AMOUNT),
     "back_surface_mean_power": MapStyle(("YlGnBu_r",)),
 }
