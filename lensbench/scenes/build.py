@@ -23,7 +23,8 @@ EYE_MOVES = 60.0  # mm, from the middle of the face
 class Panel(NamedTuple):
     """A textured rectangle. centre, half edges across (to the image's right) and upward: (3,) mm, wear frame.
 
-    shines: it shows its texture as it is, whatever light falls on it.
+    shines: it shows its texture as it is, whatever light falls on it. outline (k, 2): cut out of the rectangle, which
+    reaches from -1 to 1; anticlockwise, star-shaped about its mean.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Panel(NamedTuple):
     upward: ArrayLike
     image: Pixels
     shines: bool = False
+    outline: ArrayLike | None = None
 
 
 class Thing(NamedTuple):
@@ -52,7 +54,7 @@ def build_scene(
             panels.append(piece)
         else:
             things[piece.name].append(piece)
-    bare = [rectangle(*panel[:5]) for panel in panels]
+    bare = [_bare(panel) for panel in panels]
     meshes = [(part.points, part.triangles) for part in bare]
     meshes += [(thing.solid.points, thing.solid.triangles) for group in things.values() for thing in group]
     caster = Caster(meshes)
@@ -62,6 +64,19 @@ def build_scene(
 
 
 # ---- panels: the light is drawn into the texture ----
+
+
+def _bare(panel: Panel) -> Part:
+    """The panel without light."""
+    if panel.outline is None:
+        return rectangle(*panel[:5])
+    c, a, b = (np.asarray(v, dtype=float) for v in panel[1:4])
+    edge = np.asarray(panel.outline, dtype=float)
+    place = np.vstack([edge, edge.mean(axis=0)])
+    k = np.arange(len(edge))
+    fan = np.stack([k, (k + 1) % len(edge), np.full(len(edge), len(edge))], axis=-1)
+    mesh = Mesh(c + place[:, :1] * a + place[:, 1:] * b, fan, (place + 1) / 2)
+    return Part(panel.name, *tessellated(mesh, panel.name), panel.image)
 
 
 def _lit_panel(panel: Panel, part: Part, lights: Lights, caster: Caster) -> Part:

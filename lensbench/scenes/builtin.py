@@ -7,7 +7,7 @@ from importlib import import_module
 from ..errors import InputError
 from .scene import Scene
 
-SCENES = ("room",)
+SCENES = ("room", "desk", "cockpit", "chart", "stairs")
 
 
 @cache

@@ -87,6 +87,10 @@ class Sheet:
         strip = Image.fromarray(np.round(rows).astype(np.uint8)[:, None])
         self.image.paste(strip.resize((max(right - left, 1), strip.height)), (left, top))
 
+    def put(self, x: float, y: float, image: Pixels):
+        """A picture (h, w, 3) of the sheet's own fineness, its upper left corner at (x, y) mm."""
+        self.image.paste(Image.fromarray(image), (round(x * self.scale), round(y * self.scale)))
+
     def pixels(self) -> Pixels:
         """The drawing (h, w, 3), first row at the top."""
         return np.asarray(self.image)
@@ -133,8 +137,8 @@ def plain(colour: Colour) -> Pixels:
 def cloth(size: tuple[int, int], colour: Colour, roughness: float = 0.06) -> Pixels:
     """A speckled surface (h, w, 3): carpet, plaster, asphalt. roughness: standard deviation of its lightness."""
     chance = np.random.default_rng(5)
-    noise = chance.normal(0, 1, (size[1], size[0], 1)) + 2 * _clouds(size, 24, chance)[..., None]
-    return np.clip(np.array(colour) * (1 + roughness * 0.5 * noise), 0, 255).astype(np.uint8)
+    noise = chance.normal(0, 1, (size[1], size[0], 1)) + 0.5 * _clouds(size, 24, chance)[..., None]
+    return np.clip(np.array(colour) * (1 + roughness * noise), 0, 255).astype(np.uint8)
 
 
 def _clouds(size: tuple[int, int], cell: int, chance: np.random.Generator) -> Floats:

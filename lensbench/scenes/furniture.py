@@ -5,7 +5,7 @@ import numpy as np
 from ..optics.conventions import Floats
 from .build import Panel, Thing
 from .drawing import Colour, Pixels
-from .solids import Solid, box, cylinder, join, tube, turned
+from .solids import Solid, box, join, tube, turned
 
 DARK, STEEL = (52, 54, 58), (176, 180, 184)
 
@@ -52,7 +52,7 @@ def document_holder(distance: float, elevation: float, size: tuple[float, float]
     lip = box([0, 0, 0], [size[0] + 12, 9, 14]).placed(centre - (size[1] / 2 + 6) * up, -elevation)
     top = centre + 8 * ahead
     leg = tube([top, [0, top[1] - 60, top[2] + 55], [0, foot + 8, top[2] + 55]], 9)
-    plate = turned([(0, 8), (80, 8), (82, 0)], 40).placed([0, foot, top[2] + 55])
+    plate = turned([(82, 0), (80, 8), (0, 8)], 40).placed([0, foot, top[2] + 55])
     return [Thing("holder", join([board, lip]), (126, 92, 62)), Thing("holder", join([leg, plate]), DARK)]
 
 
@@ -125,10 +125,3 @@ def _leaf(path: Floats, width: float) -> Solid:
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     flat = normals.reshape(-1, 3)
     return Solid(grid.reshape(-1, 3), triangles, flat / np.linalg.norm(flat, axis=1, keepdims=True))
-
-
-def upright_cylinder(
-    name: str, foot: tuple[float, float, float], radius: float, height: float, colour: Colour
-) -> Thing:
-    """A round post or cup."""
-    return Thing(name, cylinder(foot, radius, height), colour)

@@ -101,6 +101,12 @@ def ring(centre: ArrayLike, radius: float, sides: int = 64) -> Floats:
     return np.asarray(centre, dtype=float) + flat
 
 
+def athwart(outline: ArrayLike, left: float, right: float) -> Solid:
+    """An outline (k, 2) in z and y, anticlockwise and star-shaped about its mean, from x = left to x = right."""
+    solid = extruded(outline, right - left)
+    return Solid(solid.points[:, [2, 1, 0]] + [left, 0.0, 0.0], solid.triangles, solid.normals[:, [2, 1, 0]])
+
+
 def extruded(outline: ArrayLike, depth: float) -> Solid:
     """An outline (k, 2) in x and y, anticlockwise and star-shaped about its mean, from z = 0 to `depth`."""
     o = np.asarray(outline, dtype=float)
