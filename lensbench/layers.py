@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .optics.atlas import FieldAtlas
 from .optics.conventions import Floats, ReadOnlyArrays
 from .optics.eye import Wearer
 from .optics.field import Accommodation
@@ -89,9 +90,13 @@ class VoxelLayer:
 
 @dataclass(frozen=True, slots=True)
 class ViewLayer:
-    """What the turning eye sees of the scene. eye: "lens", "naked", or "pinhole" (through the lens, nothing blurred).
+    """What the turning eye sees of the scene. eye: one of EYES; "pinhole": through the lens, nothing blurred; "perfect":
+    without the lens, nothing blurred.
 
-    azimuth, elevation: gaze at the picture's centre, rad. half_width: rad. size: pixels (width, height).
+    azimuth, elevation: direction of the picture's centre in the scene, rad. half_width: rad. size: pixels (width, height).
+    head_turn, head_tilt: head and lens turned towards the wearer's left and upwards, rad, about the eye's centre of
+    rotation, which stays where it is: the eye counter-rotates, and sees the same of the scene through another part of the
+    lens. split: the picture's left half as without the lens.
     """
 
     eye: str = "lens"
@@ -100,10 +105,39 @@ class ViewLayer:
     half_width: float = float(np.radians(25.0))
     size: tuple[int, int] = (640, 480)
     accommodation: Accommodation = "retina"
+    head_turn: float = 0.0
+    head_tilt: float = 0.0
+    split: bool = False
+
+    @property
+    def sharp(self) -> bool:
+        """Whether nothing is blurred."""
+        return self.eye in ("pinhole", "perfect")
+
+    @property
+    def through_lens(self) -> bool:
+        """Whether the eye looks through the lens."""
+        return self.eye in ("lens", "pinhole")
 
 
+@dataclass(frozen=True, slots=True)
+class DefocusLayer:
+    """Defocus map of a view: the blur that the eye receives from what it meets in each pixel of the view."""
+
+    view: ViewLayer = ViewLayer()
+
+
+EYES = ("lens", "naked", "pinhole", "perfect")
 Layer = (
-    MapLayer | ProfileLayer | PointsLayer | VerificationLayer | RealRaysLayer | EllipseLayer | VoxelLayer | ViewLayer
+    MapLayer
+    | ProfileLayer
+    | PointsLayer
+    | VerificationLayer
+    | RealRaysLayer
+    | EllipseLayer
+    | VoxelLayer
+    | ViewLayer
+    | DefocusLayer
 )
 
 
@@ -251,8 +285,54 @@ class VoxelField(ReadOnlyArrays):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LensEdge(ReadOnlyArrays):
+    """The lens's edge as the eye sees it: a closed curve about an axis, within which the lens is seen.
+
+    frame (3, 3), wear frame: rows across (two) and along the axis. radius (n,): tangent of the angle between the axis and
+    the edge, at n equal steps of the angle about the axis, counted from row 0 towards row 1.
+    """
+
+    frame: Floats
+    radius: Floats
+
+    def directions(self, factor: float = 1.0) -> Floats:
+        """Directions (n, 3) to the edge, wear frame, not normalised. factor: on the tangents about the axis."""
+        angle = 2 * np.pi * np.arange(self.radius.size) / self.radius.size
+        across = factor * self.radius * np.stack([np.cos(angle), np.sin(angle)])
+        return np.column_stack([*across, np.ones(self.radius.size)]) @ self.frame
+
+    def within(self, directions: Floats) -> NDArray[np.bool_]:
+        """Whether directions (..., 3), wear frame, point inside the edge."""
+        x, y, z = np.moveaxis(directions @ self.frame.T, -1, 0)
+        turn = np.arctan2(y, x) % (2 * np.pi) * self.radius.size / (2 * np.pi)
+        limit = np.interp(turn, np.arange(self.radius.size + 1), np.append(self.radius, self.radius[0]))
+        return (z > 0) & (np.hypot(x, y) < limit * z)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenScene(ReadOnlyArrays):
+    """Everything a renderer needs: the scene as it stands before this eye, and how the eye sees it.
+
+    eye (3,): centre of rotation, where the camera stands, mm. frame (3, 3): rows right-to-left, up and ahead of the
+    picture. head (3, 3): wear frame of the turned head to the scene's frame. through: the field of the lens (or of the
+    naked eye). around, edge: the naked eye's field, seen beyond the lens's edge; None without a lens.
+    """
+
+    layer: ViewLayer
+    lens: Lens | None
+    wearer: Wearer
+    scene: Scene
+    eye: Floats
+    frame: Floats
+    head: Floats
+    through: FieldAtlas
+    around: FieldAtlas | None
+    edge: LensEdge | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class SeenPart(ReadOnlyArrays):
-    """A part as the eye sees it. gaze (n, 3): apparent unit directions, wear frame; reach (n,): true distance, mm.
+    """The vertices of a part as the eye sees them. gaze (n, 3): apparent unit directions, wear frame.
 
     spread (n, 3, 2): change of the (not normalised) direction by the pupil's unit vectors; the point appears all over
     gaze + spread @ d with d in the unit disc. Vertices that no ray meets hold NaN.
@@ -260,25 +340,18 @@ class SeenPart(ReadOnlyArrays):
 
     part: Part
     gaze: Floats
-    reach: Floats
     spread: Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SeenScene(ReadOnlyArrays):
-    """Everything a renderer needs: the camera stands at `eye` (3,) mm and its rows of `frame` (3, 3) are right-to-left,
-    up and ahead. through: parts seen through the lens (or by the naked eye); around: parts as seen past the lens's edge,
-    None for the naked eye. rims: closed curves (k, 2) in the picture plane (tangents along frame rows 0 and 1) within all
-    of which the lens is seen.
+class DefocusView(ReadOnlyArrays):
+    """defocus (h, w), rad, first row at the top: angular diameter 2|eps| of the blur in each pixel of a view.
+
+    NaN beyond the lens's edge, where no ray passes, and where the scene is empty.
     """
 
     layer: ViewLayer
-    background: tuple[int, int, int]
-    eye: Floats
-    frame: Floats
-    through: tuple[SeenPart, ...]
-    around: tuple[SeenPart, ...] | None
-    rims: tuple[Floats, ...]
+    defocus: Floats
 
 
 Result = (
@@ -290,4 +363,5 @@ Result = (
     | tuple[EllipseSheet, ...]
     | VoxelField
     | SeenScene
+    | DefocusView
 )

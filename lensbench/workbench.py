@@ -10,8 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import seen
 from .errors import InputError
 from .layers import (
+    DefocusLayer,
+    DefocusView,
     EllipseLayer,
     EllipseSheet,
     Layer,
@@ -24,24 +27,20 @@ from .layers import (
     RealRays,
     RealRaysLayer,
     Request,
-    SeenPart,
     SeenScene,
     VerificationLayer,
     ViewLayer,
     VoxelField,
     VoxelLayer,
 )
-from .optics.conventions import Floats, Status, astigmatism, listing_frame, mean_power, unit
+from .optics.conventions import Floats, Status, astigmatism, mean_power
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import Accommodation, GazeField, ellipse
 from .optics.gaze import (
     GazeGrid,
     angles_from_direction,
-    direction_from_angles,
-    look_at,
     look_through,
     trace,
-    worn_pose,
 )
 from .optics.lens import Lens, Order, Outline
 from .optics.object_distance import model_distance
@@ -50,7 +49,7 @@ from .optics.voxels import blur_on_planes, distance_to_plane
 from .quantities import QUANTITIES
 from .readings import point_readings
 from .real_rays import compare
-from .scenes.scene import Part, Scene
+from .scenes.scene import Scene
 
 # ---- who looks, and where to ----
 
@@ -266,60 +265,15 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
 
 @_answer.register
 def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
-    """The scene as the turning eye sees it: each vertex's apparent direction and the ellipse in which it is spread."""
-    if layer.eye not in ("lens", "naked", "pinhole"):
-        raise InputError(f"eye: {layer.eye!r} is none of lens, naked, pinhole")
-    scene, wearer = _needed_scene(request), request.wearer
-    lens = None if layer.eye == "naked" else _needed_lens(request)
-    sharp = layer.eye == "pinhole"
-    through = tuple(_seen_part(lens, wearer, part, layer.accommodation, sharp) for part in scene.drawn)
-    around: tuple[SeenPart, ...] | None = None
-    rims: tuple[Floats, ...] = ()
-    frame = listing_frame(direction_from_angles(layer.azimuth, layer.elevation))
+    """The scene, and how the turning eye sees it."""
+    scene = _needed_scene(request)
+    lens = _needed_lens(request) if layer.through_lens else None
     if lens is not None:
-        _some_ray_passes(trace(lens, wearer, GazeGrid()))
-        around = tuple(_seen_part(None, wearer, part, layer.accommodation, sharp) for part in scene.drawn)
-        rims = _rims(lens, wearer, frame)
-    return SeenScene(layer, scene.background, wearer.centre_of_rotation, frame, through, around, rims)
+        _some_ray_passes(trace(lens, request.wearer, GazeGrid()))
+    return seen.seen_scene(lens, request.wearer, scene, layer)
 
 
-def _seen_part(lens: Lens | None, wearer: Wearer, part: Part, rule: Accommodation, sharp: bool) -> SeenPart:
-    field = replace(_vertex_field(lens, *_geometry(wearer), part), wearer=wearer)
-    reach = np.linalg.norm(part.points - wearer.centre_of_rotation, axis=1)
-    gaze = _seen_directions(field)
-    if sharp:
-        return SeenPart(part, gaze, reach, np.zeros((reach.size, 3, 2)))
-    distance = np.where(field.status == Status.OK, field.distances_to(part.points), np.nan)
-    return SeenPart(
-        part, gaze, reach, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ field.apparent_blur(distance, rule)
-    )
-
-
-@lru_cache(maxsize=128)
-def _vertex_field(
-    lens: Lens | None, wear: Wear, centre_of_rotation: float, entrance_pupil: float, part: Part
-) -> GazeField:
-    """The gazes that meet a part's vertices: kept for other looks at the part, for other eyes behind the same lens."""
-    eye = Eye(centre_of_rotation=centre_of_rotation, entrance_pupil=entrance_pupil)
-    return look_at(lens, Wearer(eye, wear), part.points, within_outline=False)
-
-
-def _seen_directions(field: GazeField) -> Floats:
-    """The gazes (n, 3) of a field, NaN where the ray failed."""
-    return np.where((field.status == Status.OK)[:, None], field.directions, np.nan)
-
-
-def _rims(lens: Lens, wearer: Wearer, frame: Floats) -> tuple[Floats, ...]:
-    """The edges of the back and of the front surface as the turning eye sees them, in the picture plane."""
-    x, y = lens.outline.points()
-    pose = worn_pose(lens, wearer.wear)
-    back = pose.to_wear(np.stack([x, y, lens.back_height(x, y)], axis=-1))
-    front = pose.to_wear(np.stack([x, y, lens.front_height(x, y)], axis=-1))
-    seen = unit(back - wearer.centre_of_rotation), _seen_directions(look_at(lens, wearer, front, within_outline=False))
-    return tuple(_on_picture_plane(directions, frame) for directions in seen)
-
-
-def _on_picture_plane(directions: Floats, frame: Floats) -> Floats:
-    local = directions @ frame.T
-    ahead = local[:, 2] > 0.05
-    return local[ahead, :2] / local[ahead, 2:]
+@_answer.register
+def defocus_view(layer: DefocusLayer, request: Request) -> DefocusView:
+    """The defocus map in a view."""
+    return seen.defocus_view(seen_scene(layer.view, request))

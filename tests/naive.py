@@ -204,3 +204,57 @@ def coddington(radii, thickness, index, lever, angle, object_distance=np.inf):
         tangential = tangential / (1 - way * tangential / n_eye)
         sagittal = sagittal / (1 - way * sagittal / n_eye)
     return 1000 * tangential, 1000 * sagittal
+
+
+# -- the atlas ---------------------------------------------------------------------------------------------------------
+
+
+def seen_by_atlas(atlas, eye, point, rule):
+    """Tangents (2,) of the gaze that meets a point (mm from the centre of rotation), and their change (2, 2) by the pupil."""
+    pitch, depth = atlas.u[1] - atlas.u[0], point[2] - atlas.plane
+    table = np.asarray(atlas.table, float)
+
+    def row(uv):
+        i, j = (min(max(int((t - g[0]) // pitch), 0), g.size - 2) for t, g in zip(uv, (atlas.u, atlas.v), strict=True))
+        f, g = (uv[0] - atlas.u[i]) / pitch, (uv[1] - atlas.v[j]) / pitch
+        low = (1 - f) * table[:, j, i] + f * table[:, j, i + 1]
+        return (1 - g) * low + g * ((1 - f) * table[:, j + 1, i] + f * table[:, j + 1, i + 1])
+
+    def landing_at(uv):
+        ray = row(uv)[0]
+        return ray[:2] + depth * ray[2:]
+
+    def change(uv):
+        by_u = first_derivative(lambda h: landing_at(uv + h * np.array([1, 0])), pitch / 50)
+        return np.stack([by_u, first_derivative(lambda h: landing_at(uv + h * np.array([0, 1])), pitch / 50)], axis=1)
+
+    uv = point[:2] / point[2]
+    for _ in range(6):
+        uv = uv - np.linalg.solve(change(uv), landing_at(uv) - point[:2])
+    ray, a, c, b, d = row(uv)
+    m, n = (a + depth * c).reshape(2, 2), (b + depth * d).reshape(2, 2)
+    limit, refraction = eye.accommodation / 1000, eye.pupil_refraction / 1000
+    relaxed = m + n @ refraction
+    if rule == "retina":
+        used = np.trace(np.linalg.solve(n, relaxed)) / 2
+    elif rule == "object":
+        used = np.sum(relaxed * n) / np.sum(n * n)
+    elif rule == "paper":
+        p, q = (signed_mean_axis(x) for x in (relaxed, relaxed - limit * n))
+        used = limit * p / (p - q)
+    else:
+        used, limit = rule / 1000, rule / 1000
+    across = eye.pupil_diameter / 2 * (relaxed - np.clip(used, 0, limit) * n)
+    direction = np.array([*ray[2:], 1.0]) / np.linalg.norm([*ray[2:], 1.0])
+    e = _listing(direction)[:2]
+    on_plane = e[:, :2].T - np.outer(direction[:2], e[:, 2]) / direction[2]
+    return uv, -np.linalg.solve(change(uv), on_plane @ across)
+
+
+def signed_mean_axis(m):
+    axes = np.linalg.svd(m)[1]
+    return (axes[0] + np.sign(np.linalg.det(m)) * axes[1]) / 2 * np.sign(m[0, 0] + m[1, 1])
+
+
+def _listing(direction):
+    return np.array([*across(direction), direction])

@@ -16,11 +16,13 @@ from lensbench.optics.materials import MATERIALS
 from lensbench.optics.surfaces import sphere
 from lensbench.scenes.builtin import load_scene
 from lensbench.scenes.scene import Scene, rectangle
+from lensbench.seen import seen_parts
 from lensbench.workbench import run
 
 pytest.importorskip("vtkmodules")
 
 from lensbench.views import jitter, offscreen
+from lensbench.views.jitter import shaders, view_pass
 
 FAR = 6000.0
 CENTRED = Wear(pupillary_distance=0.0)
@@ -42,7 +44,7 @@ def see(scene, lens=None, wearer=EMMETROPE, **layer) -> SeenScene:
 
 
 def sharp(seen: SeenScene) -> SeenScene:
-    return replace(seen, through=tuple(replace(p, spread=np.zeros_like(p.spread)) for p in seen.through))
+    return replace(seen, layer=replace(seen.layer, eye="perfect" if seen.lens is None else "pinhole"))
 
 
 def on_picture(seen: SeenScene, directions) -> np.ndarray:
@@ -93,7 +95,7 @@ def test_through_a_lens_a_patch_appears_where_its_chief_ray_comes_from():
 def test_the_point_spread_has_the_blur_matrix_covariance(place):
     wearer = Wearer(Eye(refraction=power_matrix(-3.0, -4.0, 30.0), pupil_diameter=5.0), CENTRED)
     seen = see(patches([(*place, FAR)], 20), wearer=wearer)
-    part = seen.through[0]
+    part = seen_parts(seen, seen.lens)[0]
     middle = len(part.gaze) // 2
     step = 1e-5
     moved = on_picture(seen, part.gaze[middle] + step * part.spread[middle].T)
@@ -145,11 +147,15 @@ def test_past_the_lens_edge_the_naked_eye_sees():
     assert np.allclose(moments(jitter.render_view(seen), expected, 12)[1], expected, atol=0.1)
 
 
-def test_lost_vertices_take_their_triangles_with_them():
-    seen = see(patches([(0, 0, FAR)], 1500))
-    gaze = seen.through[0].gaze.copy()
-    gaze[gaze[:, 0] > 1e-6] = np.nan
-    picture = jitter.render_view(replace(seen, through=(replace(seen.through[0], gaze=gaze),)), 4)
+def test_lost_vertices_take_their_triangles_with_them(monkeypatch):
+    def half_lost(*given):
+        part = seen_parts(*given)[0]
+        gaze = part.gaze.copy()
+        gaze[gaze[:, 0] > 1e-6] = np.nan
+        return (replace(part, gaze=gaze),)
+
+    monkeypatch.setattr(view_pass, "seen_parts", half_lost)
+    picture = jitter.render_view(see(patches([(0, 0, FAR)], 1500)), 4, by_vertices=True)
     assert picture[240, 260].max() == 0
     assert picture[240, 380].min() == 255
 
@@ -175,7 +181,8 @@ def test_side_by_side_keeps_the_pictures():
 
 
 def test_a_refused_shader_is_said(monkeypatch):
-    monkeypatch.setattr(jitter, "_PLACE", "//VTK::PositionVC::Impl\n  this is no GLSL;\n")
+    for kind in ("atlas", "vertices"):
+        monkeypatch.setitem(shaders.KINDS, kind, (shaders.KINDS[kind][0], "  this is no GLSL;\n", shaders.ZONE))
     with pytest.raises(LensBenchError, match="refused the shader"):
         jitter.render_view(see(patches([(0, 0, FAR)], 100), size=(64, 48)), 1)
 

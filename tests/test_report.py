@@ -136,7 +136,7 @@ def test_a_failure_on_the_way_leaves_nothing_behind(tmp_path, wearer, monkeypatc
     def fail(*_, **__):
         raise RuntimeError("the driver died")
 
-    monkeypatch.setattr(build, "view_picture", fail)
+    monkeypatch.setattr(build, "view_pictures", fail)
     with pytest.raises(RuntimeError):
         build.build_report(lens, wearer, tmp_path / "report", (400.0,), Progress(io.StringIO()))
     assert not (tmp_path / "report").exists()

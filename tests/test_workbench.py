@@ -11,6 +11,7 @@ import lensbench as lb
 from lensbench.cli import main
 from lensbench.errors import InputError
 from lensbench.layers import (
+    DefocusLayer,
     EllipseLayer,
     MapLayer,
     PointsLayer,
@@ -28,6 +29,7 @@ from lensbench.optics.materials import MATERIALS
 from lensbench.optics.object_distance import model_distance, proximity
 from lensbench.quantities import QUANTITIES
 from lensbench.scenes.scene import Look, Part, Scene
+from lensbench.seen import seen_parts
 from lensbench.workbench import assumed_wearer, look, run
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
@@ -157,22 +159,60 @@ def test_voxels_are_columns_of_the_gaze_field(progressive, wearer):
 
 def test_view_meets_every_vertex_and_spreads_it_by_the_field(progressive, wearer):
     seen = run(Request(progressive, wearer, ViewLayer(), Scene("wall", (WALL,))))
+    part = seen_parts(seen, seen.lens)[0]
     corner = WALL.points[:1] + np.array([wearer.wear.pupillary_distance, 0, 0])
     field = lb.look_at(progressive, wearer, corner, within_outline=False)
-    assert seen.through[0].gaze[0] == pytest.approx(field.directions[0], abs=1e-10)
+    assert part.gaze[0] == pytest.approx(field.directions[0], abs=1e-10)
     blur = field.apparent_blur(field.distances_to(corner))[0]
-    assert np.linalg.svd(seen.through[0].spread[0])[1] == pytest.approx(np.linalg.svd(blur)[1], rel=1e-8)
-    assert len(seen.rims) == 2
+    assert np.linalg.svd(part.spread[0])[1] == pytest.approx(np.linalg.svd(blur)[1], rel=1e-8)
 
 
-def test_pinhole_view_is_sharp_and_naked_view_is_straight(wearer, progressive):
-    scene = Scene("wall", (WALL,))
-    sharp = run(Request(progressive, wearer, ViewLayer("pinhole"), scene))
-    assert not sharp.through[0].spread.any()
-    naked = run(Request(None, wearer, ViewLayer("naked"), scene))
+def test_naked_view_is_straight(wearer):
+    naked = run(Request(None, wearer, ViewLayer("naked"), Scene("wall", (WALL,))))
     straight = WALL.points - wearer.centre_of_rotation
-    assert naked.through[0].gaze == pytest.approx(straight / np.linalg.norm(straight, axis=1, keepdims=True))
-    assert naked.around is None
+    gaze = seen_parts(naked, None)[0].gaze
+    assert gaze == pytest.approx(straight / np.linalg.norm(straight, axis=1, keepdims=True))
+    assert naked.around is naked.edge is None
+
+
+def test_a_turned_head_sees_the_target_through_another_part_of_the_lens(progressive, wearer):
+    ahead, turned = (
+        run(Request(progressive, wearer, ViewLayer(head_turn=turn, head_tilt=0.1), Scene("wall", (WALL,))))
+        for turn in (0.0, np.radians(12.0))
+    )
+    assert turned.frame == pytest.approx(ahead.frame)
+    gaze = seen_parts(turned, None)[0].gaze @ turned.head.T
+    assert gaze == pytest.approx(seen_parts(ahead, None)[0].gaze @ ahead.head.T)
+    azimuth = np.arctan2(*(turned.frame[2] @ turned.head)[[0, 2]])
+    assert np.degrees(azimuth) == pytest.approx(-12.0, abs=0.1)
+    gaze = seen_parts(turned, turned.lens)[0].gaze
+    points = seen_parts(turned, turned.lens)[0].part.points - turned.eye
+    field = lb.trace(progressive, wearer, gaze, within_outline=False)
+    outgoing = (field.origin - turned.eye) @ turned.head.T
+    along = np.einsum("nj,nj->n", points - outgoing, field.direction @ turned.head.T)[:, None]
+    assert outgoing + along * (field.direction @ turned.head.T) == pytest.approx(points, abs=1e-6)
+
+
+def test_the_edge_is_where_the_outline_stands(progressive, wearer):
+    edge = run(Request(progressive, wearer, ViewLayer(), Scene("wall", (WALL,)))).edge
+    assert edge.within(edge.directions(0.999)).all()
+    assert not edge.within(edge.directions(1.001)).any()
+    inner, outer = (lb.trace(progressive, wearer, edge.directions(factor)).status for factor in (0.97, 1.03))
+    assert (inner == lb.Status.OK).all()
+    assert (outer == lb.Status.OUTSIDE_OUTLINE).all()
+
+
+def test_defocus_in_the_view_is_that_of_what_each_pixel_meets(progressive, wearer):
+    view = ViewLayer(size=(24, 18), half_width=np.radians(60), head_turn=0.1)
+    found = run(Request(progressive, wearer, DefocusLayer(view), Scene("wall", (WALL,))))
+    seen = run(Request(progressive, wearer, view, Scene("wall", (WALL,))))
+    gaze = np.array([(11.5 - 14) * np.tan(np.radians(60)) / 12, (8.5 - 10) * np.tan(np.radians(60)) / 12, 1.0])
+    field = lb.trace(progressive, wearer, [gaze @ seen.frame @ seen.head])
+    turned = seen.head @ field.direction[0]
+    start = seen.head @ (field.origin[0] - seen.eye) + seen.eye
+    distance = (WALL.points[0, 2] - start[2]) / turned[2]
+    assert found.defocus[10, 14] == pytest.approx(field.defocus(distance)[0], rel=1e-4)
+    assert np.isnan(found.defocus[:, 0]).all()
 
 
 def test_the_nose_is_on_the_other_side_of_a_left_lens(progressive, wearer):
@@ -181,8 +221,8 @@ def test_the_nose_is_on_the_other_side_of_a_left_lens(progressive, wearer):
     midline = {lens.side: look("near", lens, wearer, page)[0] for lens in (progressive, left)}
     assert midline["R"] == pytest.approx(np.arctan2(32.0, 390.0 - wearer.centre_of_rotation[2]))
     assert midline["L"] == -midline["R"]
-    straight_on = run(Request(left, wearer, ViewLayer("naked"), Scene("wall", (WALL,)))).through[0]
-    assert straight_on.part.points[:, 0] == pytest.approx(WALL.points[:, 0] - 32.0)
+    straight_on = run(Request(left, wearer, ViewLayer("naked"), Scene("wall", (WALL,)))).scene.parts[0]
+    assert straight_on.points[:, 0] == pytest.approx(WALL.points[:, 0] - 32.0)
 
 
 def test_the_command_line_asks_the_same_question(progressive, capsys):

@@ -169,14 +169,15 @@ def _traced_rays(out: Floats, status: NDArray[np.int8]) -> TracedRays:
     return TracedRays(out[:3].T, out[6:9].T, out[9:12].T, out[12:].reshape(4, 4, -1).transpose(2, 0, 1), status)
 
 
-def trace(lens: Lens | None, wearer: Wearer, gaze: GazeGrid | ArrayLike) -> GazeField:
+def trace(lens: Lens | None, wearer: Wearer, gaze: GazeGrid | ArrayLike, within_outline: bool = True) -> GazeField:
     """The gaze field of a worn lens (None: the naked eye) for a grid or a list of gaze directions (n, 3), wear frame.
 
-    The chief ray starts at the centre of the entrance pupil of the eye turned to the gaze; see GazeField.
+    The chief ray starts at the centre of the entrance pupil of the eye turned to the gaze; see GazeField. Outside the
+    outline a ray fails, unless within_outline is False: then the surfaces go on as far as they are defined.
     """
     shape = (gaze.ny, gaze.nx) if isinstance(gaze, GazeGrid) else None
     directions = gaze.directions() if isinstance(gaze, GazeGrid) else unit(np.asarray(gaze, dtype=float).reshape(-1, 3))
-    return _field(lens, wearer, directions, shape or (len(directions),))
+    return _field(lens, wearer, directions, shape or (len(directions),), within_outline)
 
 
 def _field(

@@ -2,7 +2,7 @@
 
 import base64
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import date
 from importlib.resources import files
@@ -112,9 +112,7 @@ def build_report(
     pictures = flat_pictures(lens, findings)
     progress.step("lens and ellipses in space")
     pictures |= spatial_pictures(lens, wearer, findings)
-    for name, gaze in findings.looks.items():
-        progress.step(f"view {name}")
-        pictures[f"view_{name}"] = view_picture(lens, wearer, scene, name, gaze)
+    pictures |= view_pictures(lens, wearer, scene, findings.looks, progress)
     progress.step("page")
     contents: dict[str, bytes | str] = {picture.name: picture.png for picture in pictures.values()}
     contents["results.json"] = to_json(results(lens, wearer, findings))
@@ -202,19 +200,24 @@ def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str
     return pictures
 
 
-def view_picture(lens: Lens, wearer: Wearer, scene: Any, name: str, gaze: tuple[float, float]) -> Picture:
-    """One look at the scene: with the lens, without it, and sharp through a pinhole. gaze: azimuth and elevation, rad."""
-    from ..views.jitter import render_view, side_by_side
+def view_pictures(
+    lens: Lens, wearer: Wearer, scene: Any, looks: Mapping[str, tuple[float, float]], progress: Progress
+) -> dict[str, Picture]:
+    """The scene by each of its looks: with the lens, without it, and sharp through a pinhole."""
+    from ..views.jitter import Studio, side_by_side
 
-    seen = {eye: run(Request(lens, wearer, ViewLayer(eye, *gaze), scene)) for eye in EYES}
-    naked = render_view(seen["naked"], PASSES)
-    drawn = {
-        "lens": render_view(seen["lens"], PASSES, around=naked),
-        "naked": naked,
-        "pinhole": render_view(seen["pinhole"], PINHOLE_PASSES),
-    }
-    caption = f"Looking {name}: {_gaze_text(*gaze)} at the centre, 50° wide"
-    return _picture(f"view_{name}", caption, side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption))
+    pictures = {}
+    with Studio() as studio:
+        for name, gaze in looks.items():
+            progress.step(f"view {name}")
+            seen = {eye: run(Request(lens, wearer, ViewLayer(eye, *gaze), scene)) for eye in EYES}
+            drawn = {
+                eye: studio.picture(view, PINHOLE_PASSES if view.layer.sharp else PASSES) for eye, view in seen.items()
+            }
+            caption = f"Looking {name}: {_gaze_text(*gaze)} at the centre, 50° wide"
+            strip = side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption)
+            pictures[f"view_{name}"] = _picture(f"view_{name}", caption, strip)
+    return pictures
 
 
 def _gaze_text(azimuth: float, elevation: float) -> str:

@@ -1,0 +1,164 @@
+"""The simulated view before it is drawn: how the turning eye sees the scene's points, the lens's edge, and the defocus."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from .errors import InputError
+from .layers import EYES, DefocusView, LensEdge, SeenPart, SeenScene, ViewLayer
+from .optics.atlas import FieldAtlas, field_atlas
+from .optics.conventions import Floats, Status, listing_frame, rotation_xy, unit
+from .optics.eye import Eye, Wear, Wearer
+from .optics.field import GazeField
+from .optics.gaze import direction_from_angles, look_at, trace, worn_pose
+from .optics.lens import Lens
+from .scenes.scene import Part, Scene
+
+SAMPLES = 256  # gazes along the longer side of a lens's atlas: 0.05 pixels of 1280 over 50 degrees
+NAKED_SAMPLES = 64
+WIDEST = float(np.tan(np.radians(70)))
+EDGE_STEPS = 1024
+
+
+def seen_scene(lens: Lens | None, wearer: Wearer, scene: Scene, layer: ViewLayer) -> SeenScene:
+    """A scene as it stands before this eye, and how the eye sees it. Raises InputError for an eye that is none of EYES."""
+    if layer.eye not in EYES:
+        raise InputError(f"eye: {layer.eye!r} is none of {', '.join(EYES)}")
+    head = rotation_xy(-layer.head_tilt, layer.head_turn)
+    frame = listing_frame(direction_from_angles(layer.azimuth, layer.elevation))
+    naked = _naked_atlas(*_geometry(wearer))
+    place = layer, lens, wearer, scene, wearer.centre_of_rotation, frame, head
+    if lens is None:
+        return SeenScene(*place, naked, None, None)
+    atlas, edge = _lens_atlas(lens, *_geometry(wearer))
+    return SeenScene(*place, atlas, naked, edge)
+
+
+def _geometry(wearer: Wearer) -> tuple[Wear, float, float]:
+    """What of a wearer decides which way the rays go: position of wear, centre of rotation and entrance pupil."""
+    return wearer.wear, wearer.eye.centre_of_rotation, wearer.eye.entrance_pupil
+
+
+def _wearer_of(wear: Wear, centre_of_rotation: float, entrance_pupil: float) -> Wearer:
+    return Wearer(Eye(centre_of_rotation=centre_of_rotation, entrance_pupil=entrance_pupil), wear)
+
+
+@lru_cache(maxsize=8)
+def _naked_atlas(*geometry: Wear | float) -> FieldAtlas:
+    return field_atlas(None, _wearer_of(*geometry), (-WIDEST, WIDEST, -WIDEST, WIDEST), NAKED_SAMPLES)  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=8)
+def _lens_atlas(lens: Lens, *geometry: Wear | float) -> tuple[FieldAtlas, LensEdge]:
+    """The atlas of a worn lens over the box of its edge, a little widened, and the edge."""
+    wearer = _wearer_of(*geometry)  # type: ignore[arg-type]
+    edge = lens_edge(lens, wearer)
+    directions = edge.directions(1.05)
+    tangents = directions[:, :2] / np.maximum(directions[:, 2:], 0.1)
+    (u0, v0), (u1, v1) = np.clip([tangents.min(axis=0), tangents.max(axis=0)], -WIDEST, WIDEST)
+    return field_atlas(lens, wearer, (u0, u1, v0, v1), SAMPLES), edge
+
+
+# ---- the lens's edge --------------------------------------------------------------------------------------------------
+
+
+def lens_edge(lens: Lens, wearer: Wearer) -> LensEdge:
+    """The edges of the back and of the front surface as the turning eye sees them: whichever is the nearer to the axis.
+
+    The axis points to the middle of the back surface's edge, about which both edges are taken to be star-shaped.
+    """
+    x, y = lens.outline.points()
+    pose = worn_pose(lens, wearer.wear)
+    back = pose.to_wear(np.stack([x, y, lens.back_height(x, y)], axis=-1))
+    front = pose.to_wear(np.stack([x, y, lens.front_height(x, y)], axis=-1))
+    curves = (
+        unit(_finite(back) - wearer.centre_of_rotation),
+        _finite(_seen_directions(look_at(lens, wearer, _finite(front), within_outline=False))),
+    )
+    middle = next((curve for curve in curves if len(curve) > 2), None)
+    if middle is None:
+        raise InputError("the lens's edge cannot be seen: its surfaces do not reach its outline")
+    frame = listing_frame(unit(middle.mean(axis=0)))
+    radii = [_radius(curve @ frame.T) for curve in curves if len(curve) > 2]
+    return LensEdge(frame, np.min(radii, axis=0))
+
+
+def _finite(rows: Floats) -> Floats:
+    return rows[np.isfinite(rows).all(axis=1)]
+
+
+def _radius(local: Floats) -> Floats:
+    """Tangents (EDGE_STEPS,) of the angles to the axis of a closed curve of directions (k, 3), the axis along z."""
+    ahead = local[local[:, 2] > 0.05]
+    turn = np.arctan2(ahead[:, 1], ahead[:, 0])
+    steps = 2 * np.pi * np.arange(EDGE_STEPS) / EDGE_STEPS
+    order = np.argsort(turn)
+    return np.interp(steps, turn[order], np.hypot(ahead[:, 0], ahead[:, 1])[order] / ahead[order, 2], period=2 * np.pi)
+
+
+# ---- vertices one by one ----------------------------------------------------------------------------------------------
+
+
+def seen_parts(seen: SeenScene, lens: Lens | None) -> tuple[SeenPart, ...]:
+    """Every part as seen through the lens (None: by the naked eye), each vertex by its own chief ray: exact, but slower than
+    the atlas."""
+    return tuple(_seen_part(seen, lens, part) for part in seen.scene.drawn)
+
+
+def _seen_part(seen: SeenScene, lens: Lens | None, part: Part) -> SeenPart:
+    field, points = _vertex_field(lens, *_geometry(seen.wearer), part, seen.layer.head_turn, seen.layer.head_tilt)
+    field = replace(field, wearer=seen.wearer)
+    distance = np.where(field.status == Status.OK, field.distances_to(points), np.nan)
+    blur = field.apparent_blur(distance, seen.layer.accommodation)
+    return SeenPart(part, _seen_directions(field), -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ blur)
+
+
+@lru_cache(maxsize=128)
+def _vertex_field(
+    lens: Lens | None, wear: Wear, centre: float, pupil: float, part: Part, turn: float, tilt: float
+) -> tuple[GazeField, Floats]:
+    """The gazes that meet a part's vertices, and these (n, 3) in the wear frame of the turned head.
+
+    Kept for other looks at the part, for other eyes behind the same lens.
+    """
+    wearer = _wearer_of(wear, centre, pupil)
+    points = (part.points - wearer.centre_of_rotation) @ rotation_xy(-tilt, turn) + wearer.centre_of_rotation
+    return look_at(lens, wearer, points, within_outline=False), points
+
+
+def _seen_directions(field: GazeField) -> Floats:
+    """The gazes (n, 3) of a field, NaN where the ray failed."""
+    return np.where((field.status == Status.OK)[:, None], field.directions, np.nan)
+
+
+# ---- the defocus map --------------------------------------------------------------------------------------------------
+
+
+def pixel_directions(layer: ViewLayer) -> Floats:
+    """Directions (h, w, 3) to the pixels' centres in the picture's own frame (right-to-left, up, ahead), not normalised."""
+    width, height = layer.size
+    per_pixel = 2 * np.tan(layer.half_width) / width
+    x = per_pixel * (width / 2 - 0.5 - np.arange(width))
+    y = per_pixel * (height / 2 - 0.5 - np.arange(height))
+    return np.stack([*np.meshgrid(x, y), np.ones((height, width))], axis=-1)
+
+
+def defocus_view(seen: SeenScene) -> DefocusView:
+    """2|eps| in each pixel of a view: of the first point of the scene that its chief ray meets.
+
+    Kakimoto, Tatsukawa & Nishita 2010, section 5.3.
+    """
+    from .scenes.cast import first_hit
+
+    width, height = seen.layer.size
+    gaze = pixel_directions(seen.layer).reshape(-1, 3) @ seen.frame @ seen.head
+    values = np.full(width * height, np.nan)
+    inside = np.ones(len(gaze), dtype=bool) if seen.edge is None else seen.edge.within(gaze)
+    if inside.any():
+        field = trace(seen.lens, seen.wearer, gaze[inside])
+        start = (field.origin - seen.eye) @ seen.head.T + seen.eye
+        distance = first_hit(seen.scene, start, field.direction @ seen.head.T)
+        met = np.isfinite(distance)
+        values[inside] = np.where(met, field.defocus(np.where(met, distance, 1e6), seen.layer.accommodation), np.nan)
+    return DefocusView(seen.layer, values.reshape(height, width))

@@ -1,0 +1,131 @@
+"""A zone of the view: what is seen through one field, each of its actors drawn by the zone's shader."""
+
+from typing import Any
+
+import numpy as np
+from vtkmodules.vtkCommonCore import VTK_FLOAT
+from vtkmodules.vtkRenderingCore import vtkPolyDataMapper, vtkShaderProperty
+from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
+
+from ...layers import LensEdge, SeenScene
+from ...optics.atlas import FieldAtlas
+from ...optics.conventions import Floats
+from . import shaders
+from .camera import Frames
+
+RULES = ("retina", "object", "paper")
+
+
+class CardTable:
+    """A float32 table (h, w, 1 or 4) as a texture of one window, read texel by texel."""
+
+    def __init__(self, window: Any) -> None:
+        self.window = window
+        self.table: Any = None
+        self.texture = vtkTextureObject()
+        self.texture.SetContext(window)
+        self.texture.SetMinificationFilter(vtkTextureObject.Nearest)
+        self.texture.SetMagnificationFilter(vtkTextureObject.Nearest)
+
+    def load(self, table: Any, shape: tuple[int, int, int]) -> None:
+        """Put a table of this shape on the card, unless it is there already."""
+        if table is self.table:
+            return
+        self.release()
+        height, width, components = shape
+        texels = np.ascontiguousarray(table, dtype=np.float32)
+        self.texture.Create2DFromRaw(width, height, components, VTK_FLOAT, texels)
+        self.table = table
+
+    def unit(self) -> int:
+        """The number of the texture unit that now holds the table. To be asked before each rendering."""
+        self.texture.Activate()
+        return int(self.texture.GetTextureUnit())
+
+    def release(self) -> None:
+        """Free the texture."""
+        if self.table is not None:
+            self.texture.Deactivate()
+            self.texture.ReleaseGraphicsResources(self.window)
+        self.table = None
+
+
+class Zone:
+    """Actors that are drawn by one shader and seen through one field.
+
+    kind: "atlas" (gaze and blur come from the field's atlas), "vertices" (each vertex brings its own along), or "rim" (the
+    lens's edge itself, which stands in the head's frame). side: 1 within the lens's edge, -1 beyond it.
+    """
+
+    def __init__(self, window: Any, kind: str, side: int = 1) -> None:
+        self.kind, self.side = kind, side
+        self.field, self.edge = CardTable(window), CardTable(window)
+        self.actors: list[Any] = []
+        self.bounds = (0.0, -1.0)
+        self.shader = vtkShaderProperty()
+        self.uniforms = self.shader.GetVertexCustomUniforms()
+        declare, place, zone = shaders.KINDS[kind]
+        for tag, code in (
+            ("//VTK::CustomUniforms::Dec", declare),
+            ("//VTK::Camera::Dec", shaders.CAMERA),
+            ("//VTK::PositionVC::Impl", "//VTK::PositionVC::Impl\n" + place),
+        ):
+            self.shader.AddVertexShaderReplacement(tag, True, code, False)
+        for tag, code in (
+            ("//VTK::CustomUniforms::Dec", zone),
+            ("//VTK::Color::Impl", shaders.ZONE_COLOUR + "//VTK::Color::Impl\n"),
+        ):
+            self.shader.AddFragmentShaderReplacement(tag, True, code, False)
+
+    def take(self, actor: Any) -> Any:
+        """Draw an actor, whose mapper must be no other zone's, in this zone. Returns the actor."""
+        mapper = actor.GetMapper()
+        if not isinstance(mapper, vtkPolyDataMapper):
+            polygons = vtkPolyDataMapper()
+            polygons.ShallowCopy(mapper)
+            actor.SetMapper(polygons)
+        actor.SetShaderProperty(self.shader)
+        self.actors.append(actor)
+        return actor
+
+    def see(self, seen: SeenScene, atlas: FieldAtlas) -> None:
+        """Take over the eye, and the atlas if this zone reads one."""
+        if self.kind != "atlas":
+            return
+        tiles, rows, columns, _ = atlas.table.shape
+        self.field.load(atlas.table, (tiles * rows, columns, 4))
+        eye, rule = seen.wearer.eye, seen.layer.accommodation
+        code, limit = (RULES.index(rule), eye.accommodation) if isinstance(rule, str) else (3, float(rule))
+        refraction = eye.pupil_refraction / 1000
+        set_ = self.uniforms
+        set_.SetUniform4f("jitGrid", [atlas.u[0], atlas.v[0], 1 / (atlas.u[1] - atlas.u[0]), atlas.plane])
+        set_.SetUniform2f("jitCount", [columns, rows])
+        set_.SetUniform3f("jitRefraction", [refraction[0, 0], refraction[0, 1], refraction[1, 1]])
+        set_.SetUniform4f("jitEye", [eye.pupil_diameter / 2, limit / 1000, code, 0.0])
+
+    def look(self, found: Frames, edge: LensEdge | None, split: float) -> None:
+        """Take over the camera. edge: where the zone ends (None: nowhere). split: pixel left of which the zone ends too."""
+        set_ = self.uniforms
+        set_.SetUniformMatrix3x3("jitToHead", found.to_head.T.ravel().tolist())
+        set_.SetUniformMatrix4x4("jitToDevice", found.to_device.T.ravel().tolist())
+        self.bounds = float(self.side if edge is not None else 0), split
+        if edge is not None and self.kind != "rim":
+            self.edge.load(edge.radius, (1, edge.radius.size, 1))
+            set_.SetUniformMatrix3x3("jitFromPixel", (edge.frame @ found.from_pixel).T.ravel().tolist())
+
+    def set_pass(self, point: Floats, shift: Floats, pixels: Floats) -> None:
+        """The pupil's point, and the shift in device coordinates and in pixels."""
+        self.uniforms.SetUniform2f("jitPoint", point.tolist())
+        self.uniforms.SetUniform2f("jitShift", shift.tolist())
+        self.uniforms.SetUniform4f("jitZone", [*self.bounds, *pixels.tolist()])
+
+    def bind(self) -> None:
+        """Hold the textures in their units for the rendering that starts."""
+        for name, table in (("jitField", self.field), ("jitEdge", self.edge)):
+            if table.table is not None:
+                self.uniforms.SetUniformi(name, table.unit())
+
+    def release(self) -> None:
+        """Free the textures."""
+        self.field.release()
+        self.edge.release()
