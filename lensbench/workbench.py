@@ -44,6 +44,7 @@ from .optics.gaze import (
 )
 from .optics.lens import Lens, Order, Outline
 from .optics.object_distance import model_distance
+from .optics.ordered import wearer_as_ordered
 from .optics.tolerances import ToleranceLine, verification
 from .optics.voxels import blur_on_planes, distance_to_plane
 from .quantities import QUANTITIES
@@ -55,15 +56,9 @@ from .scenes.scene import Scene
 
 
 def assumed_wearer(lens: Lens) -> Wearer:
-    """The wearer whom the lens's order suggests, for when none is given.
-
-    Refraction as ordered; accommodation 2 (2.5 D - addition): a near distance of 40 cm with half of the amplitude kept
-    in reserve; 4 mm pupil; average position of wear (13 mm, pantoscopic 8 degrees, face form 5 degrees).
-    """
-    order = lens.ordered or Order()
-    wear = Wear(13.0, float(np.radians(8.0)), float(np.radians(5.0)))
-    eye = Eye(order.power(), wear.vertex_distance, max(0.0, 2 * (2.5 - order.addition)), 4.0)
-    return Wearer(eye, wear, "assumed from the order: refraction as ordered, accommodation to match the addition")
+    """The wearer whom the lens's order suggests, for when none is given; see wearer_as_ordered."""
+    name = "assumed from the order: refraction as ordered, accommodation to match the addition"
+    return wearer_as_ordered(lens.ordered or Order(), name=name)
 
 
 MOST_VOXELS = 100_000_000

@@ -28,10 +28,19 @@ def add_verb(verbs: Any, name: str, run: Any, summary: str) -> argparse.Argument
 
 def lens_and_wearer(verb: argparse.ArgumentParser) -> None:
     """The lens file and the wearer file."""
-    verb.add_argument("lens", type=Path, help="lens file (.toml)")
+    verb.add_argument("lens", type=Path, help="lens file")
+    lens_choice(verb)
     verb.add_argument(
         "-w", "--wearer", type=Path, help="wearer file (.toml); assumed from the lens's order if not given"
     )
+
+
+def lens_choice(verb: argparse.ArgumentParser) -> None:
+    """--side and --material: what a lens file may leave open."""
+    verb.add_argument(
+        "--side", choices=["R", "L"], default="", help="which lens of a pair; of CAD and mesh files: right"
+    )
+    verb.add_argument("--material", default="", metavar="NAME", help="by name, or n_d/Abbe number: 1.592/41")
 
 
 def accommodation_option(verb: argparse.ArgumentParser) -> None:
@@ -124,11 +133,13 @@ def scene_of(args: argparse.Namespace) -> "Scene":
 
 def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
     """The lens and its wearer."""
-    from ..formats import load_lens, load_wearer
+    from ..formats import load_pair, load_wearer
     from ..workbench import assumed_wearer
 
-    lens = load_lens(args.lens)
-    return lens, load_wearer(args.wearer) if args.wearer else assumed_wearer(lens)
+    lens, told = load_pair(args.lens, args.side, args.material)[0]
+    if args.wearer:
+        return lens, load_wearer(args.wearer, lens.side)
+    return lens, told or assumed_wearer(lens)
 
 
 def kind_of(path: Path, *allowed: str) -> str:

@@ -3,6 +3,7 @@
 Errors name the file, the key or line, and the reason.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,12 @@ from ..errors import InputError
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..optics.surfaces import Surface
+from .lens_file import material_named
 from .own_toml import WEARER_FORMAT
 from .registry import Writing, read_file, write_format
 from .surface_data import Reading, chosen
 
-__all__ = ["load", "load_lens", "load_surface", "load_wearer", "read_file", "write"]
+__all__ = ["load", "load_lens", "load_pair", "load_surface", "load_wearer", "read_file", "write"]
 
 
 def load(path: str | Path) -> Any:
@@ -26,12 +28,29 @@ def load(path: str | Path) -> Any:
     return items[0] if len(items) == 1 else items
 
 
-def load_lens(path: str | Path) -> Lens:
-    """The lens in a file. Raises InputError."""
+def load_lens(path: str | Path, side: str = "", material: str = "") -> Lens:
+    """The lens in a file; of a pair the one of a side "R" or "L" (the first, if none is named).
+
+    material: its name, or "n_d/Abbe number", for files that say nothing of it or to put another in its place. Raises
+    InputError.
+    """
+    return load_pair(path, side, material)[0][0]
+
+
+def load_pair(path: str | Path, side: str = "", material: str = "") -> tuple[tuple[Lens, Wearer | None], ...]:
+    """The lenses of a file (of one side, if it is named), each with its wearer if the file tells of one; see load_lens."""
+    chosen = material_named(material) if material else None
     items = read_file(path).items
     for item in items:
         if isinstance(item, Lens):
-            return item
+            if side not in ("", item.side):
+                raise InputError(f"{path}: holds the lens of side {item.side}, not {side}; mirror it to get the other")
+            return ((item if chosen is None else replace(item, material=chosen), None),)
+        if hasattr(item, "wearer"):
+            sides = (side,) if side else tuple(item.lenses) or ("",)
+            return tuple((item.lens(chosen, one), item.wearer(one)) for one in sides)
+        if hasattr(item, "lens"):
+            return ((item.lens(chosen, side), None),)
     if items and hasattr(items[0], "fitted"):
         held = f"{items[0].side} {items[0].face}"
         raise InputError(
@@ -40,9 +59,14 @@ def load_lens(path: str | Path) -> Lens:
     raise InputError(f"{path}: holds a wearer, not a lens")
 
 
-def load_wearer(path: str | Path) -> Wearer:
-    """The wearer in a file. Raises InputError."""
-    for item in read_file(path).items:
+def load_wearer(path: str | Path, side: str = "") -> Wearer:
+    """The wearer in a file; of a pair the one of a side "R" or "L" (the first, if none is named). Raises InputError."""
+    items = read_file(path).items
+    holder = next((item for item in items if hasattr(item, "wearer")), None)
+    if holder is not None:
+        found: Wearer = holder.wearer(side)
+        return found
+    for item in items:
         if isinstance(item, Wearer):
             return item
     raise InputError(f"{path}: holds no wearer; a wearer file begins with format = {WEARER_FORMAT!r}")

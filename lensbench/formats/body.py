@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -13,48 +13,83 @@ from ..optics.conventions import Floats
 from ..optics.lens import Lens, Outline, circle_outline, ellipse_outline, polygon_outline
 from ..optics.materials import Material
 from ..optics.surfaces import Surface
+from .lens_file import check_body
+from .surface_data import Fitted, Reading
 
 USUAL_DIAMETER = 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """front, back: None where the file holds one surface only; centre_thickness: mm; outline: None if the file has none.
+    """path: of the file. front, back: None where the file holds one surface only. centre_thickness: mm.
 
-    understood: how the file was read, a line each.
+    understood: how the file was read, a line each. outline, material: None if the file has none.
     """
 
+    path: Path
     front: Surface | None
     back: Surface | None
     centre_thickness: float
-    outline: Outline | None
     understood: tuple[str, ...]
+    outline: Outline | None = None
     material: Material | None = None
 
-    def lens(self, path: Path, material: Material | None = None, side: str = "R") -> Lens:
-        """The lens of a material (which wins over the file's own) and a side. Raises InputError for what is missing."""
-        from .lens_file import check_body
+    def facts(self) -> list[tuple[str, str, object]]:
+        """Label, text and value of what was understood."""
+        lines = [("Understood", line, line) for line in self.understood]
+        missing = () if self.material else (("Material", "none in the file: name one with --material", None),)
+        return [("File", "the body of a lens", "body"), *lines, *missing]
 
+    def lens(self, material: Material | None = None, side: str = "") -> Lens:
+        """The lens of a material (which wins over the file's own) and a side ("": right). Raises InputError."""
         if self.front is None or self.back is None:
-            held = "front" if self.back is None else "back"
-            raise InputError(
-                f"{path}: holds one surface, taken for the {held}; a lens needs two: name it in a lens file"
-            )
+            raise InputError(f"{self.path}: holds one surface; a lens has two: name it in a lens file")
         chosen = material or self.material
         if chosen is None:
-            raise InputError(f"{path}: says nothing of the material; name one (--material MR-8)")
+            raise InputError(f"{self.path}: says nothing of the material; name one: --material MR-8")
         outline = self.outline or circle_outline(USUAL_DIAMETER)
-        lens = Lens(self.front, self.back, self.centre_thickness, chosen, outline, side, name=path.stem)
-        check_body(path, lens)
+        lens = Lens(self.front, self.back, self.centre_thickness, chosen, outline, side or "R", name=self.path.stem)
+        check_body(self.path, lens)
         return lens
 
-    def surface(self, name: str, path: Path) -> Surface:
-        """The surface called "front" or "back"; a file of one surface gives that. Raises InputError."""
-        found = self.front if name == "front" else self.back
-        found = found or self.front or self.back
-        if found is None:
-            raise InputError(f"{path}: holds no surface")
-        return replace(found)
+    def surfaces(self) -> "tuple[BodySurface, ...]":
+        """The one or two surfaces, each for itself; the only surface of a file may be either face."""
+        if self.front is None or self.back is None:
+            only = self.front or self.back
+            return () if only is None else (BodySurface(self.path.name, only),)
+        return BodySurface(self.path.name, self.front, face="F"), BodySurface(self.path.name, self.back, face="B")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BodySurface:
+    """A surface of a file that says itself how it lies (see SurfaceData)."""
+
+    source: str
+    surface: Surface
+    side: str = ""
+    face: str = ""
+
+    def fitted(self, reading: Reading) -> Fitted:
+        """The surface, posed as the reading says. Raises InputError for an orientation, which only point files need."""
+        if reading.flip_z or reading.first_point or reading.rows or reading.z_towards:
+            raise InputError(f"{self.source}: says itself how its surfaces lie; it takes no orientation")
+        own = self.surface
+        x, y = reading.pose.get("decentration", (0.0, 0.0))
+        tilt = reading.pose.get("tilt", (0.0, 0.0))
+        if any(tilt) and any(own.tilt):
+            raise InputError(f"{self.source}: the surface is tilted in the file itself; it takes no other tilt")
+        placed = replace(
+            own, decentration=(own.decentration[0] + x, own.decentration[1] + y), tilt=tilt if any(tilt) else own.tilt
+        )
+        return Fitted(placed, (("Surface", placed.describe(), placed.describe()),))
+
+
+def the_lens(things: tuple[Any, ...], kind: str) -> Lens:
+    """The first lens among things to be written. Raises InputError where there is none."""
+    for thing in things:
+        if isinstance(thing, Lens):
+            return thing
+    raise InputError(f"{kind} is written of a whole lens, and there is none")
 
 
 # ---- from the faces of a solid or a mesh ----
@@ -110,13 +145,13 @@ def body_of(path: Path, faces_at: Callable[[Place], list[Face]]) -> Body:
         words.append(f"moved by {-x:.4g}, {-y:.4g} mm: the file's axis does not pass through the lens")
         found = faces_at(Place(turned, float(x), float(y)))
     if len(found) == 1:
-        return Body(found[0].surface, None, 0.0, _outline(found[0].edge), (f"one face: {found[0].word}", *words))
+        return Body(path, found[0].surface, None, 0.0, (f"one face: {found[0].word}", *words))
     back, front = sorted(found, key=lambda face: face.height)
     if not front.height > back.height:
         raise InputError(f"{path}: the two largest faces do not lie one before the other along z")
     edge = min((front, back), key=lambda face: float(np.prod(np.ptp(face.edge, axis=0)))).edge
     words = [f"front: {front.word}", f"back: {back.word}", *words]
-    return Body(front.surface, back.surface, front.height - back.height, _outline(edge), tuple(words))
+    return Body(path, front.surface, back.surface, front.height - back.height, tuple(words), _outline(edge))
 
 
 def _outline(edge: Floats) -> Outline:

@@ -8,9 +8,14 @@ from numpy import degrees
 
 from ..errors import InputError
 from ..optics.as_spline import as_bspline
+from ..optics.lens import Lens
 from ..optics.surfaces import Surface
+from .body import BodySurface
 from .lens_file import BSpline, Face
-from .toml_file import read_text, validated
+from .registry import Writing, Written
+from .surface_data import Reading
+from .text import read_text
+from .toml_file import validated
 
 BSPLINE_FORMAT = "lensbench-bspline/1"
 
@@ -25,10 +30,39 @@ class BSplineFile(BSpline):
     face: Literal["front", "back", ""] = ""
 
 
-def read_bspline(path: Path) -> tuple[Surface, BSplineFile]:
-    """The surface of a JSON B-spline file, and the file's own words on it. Raises InputError."""
+def sniff(head: bytes, text: str) -> float:
+    """A JSON object whose format says so."""
+    return 1.0 if text.lstrip().startswith("{") and '"lensbench-bspline/' in text else 0.0
+
+
+def read(path: Path) -> tuple[BodySurface]:
+    """The surface. Raises InputError."""
     table = validated(path, read_json(path), BSplineFile)
-    return table.build(Face(table.face, table.side, 1.0, path.parent)), table
+    surface = table.build(Face(table.face, table.side, 1.0, path.parent))
+    return (BodySurface(path.name, surface, table.side, table.face[:1].upper()),)
+
+
+def write(things: tuple[Any, ...], writing: Writing) -> Written:
+    """One face of a lens, or one surface, over the lens's outline or the surface's own box. Raises InputError."""
+    surface, box, words = _chosen(things, writing)
+    told = "degree, knots in mm, coefficients in mm, positive towards the scene"
+    return Written(bspline_text(surface, box, **words), f"{words.get('face') or 'surface'} as B-spline: {told}")
+
+
+def _chosen(
+    things: tuple[Any, ...], writing: Writing
+) -> tuple[Surface, tuple[float, float, float, float], dict[str, str]]:
+    for thing in things:
+        if isinstance(thing, Lens) and writing.face in ("F", "B"):
+            surface = thing.front if writing.face == "F" else thing.back
+            x0, x1, y0, y1 = thing.outline.box
+            dx, dy = surface.decentration
+            face = "front" if writing.face == "F" else "back"
+            return surface, (x0 - dx - 1, x1 - dx + 1, y0 - dy - 1, y1 - dy + 1), {"side": thing.side, "face": face}
+        if hasattr(thing, "fitted"):
+            half = (writing.size or (60.0, 60.0))[0] / 2, (writing.size or (60.0, 60.0))[1] / 2
+            return thing.fitted(Reading(thing.side, thing.face)).surface, (-half[0], half[0], -half[1], half[1]), {}
+    raise InputError("a JSON B-spline holds one surface: choose one with --face front or --face back")
 
 
 def read_json(path: Path) -> Any:

@@ -4,6 +4,7 @@ The lens's axis is taken along z; lengths come in mm whatever the file's unit. P
 exactly, as are B-spline faces that are graphs over x and y; any other face is sampled and refitted by a smooth B-spline.
 """
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,9 @@ from ..optics.as_spline import knot_averages
 from ..optics.conventions import Floats
 from ..optics.scattered import fitted_points
 from ..optics.surfaces import Surface
-from .body import Body, Face, Place, body_of, joined
+from .body import Body, BodySurface, Face, Place, body_of, joined, the_lens
+from .registry import Writing, Written
+from .text import read_bytes
 
 SAMPLES = 161  # along u and along v, where a face is refitted
 KNOT_PITCH = 1.5  # mm, of the refitted B-spline
@@ -25,10 +28,35 @@ STEEP = 0.6  # least |z| of the unit normal in a face's middle for it to be the 
 MOST_MISFIT = 0.01  # mm, of a sample from the refitted B-spline
 
 
+def sniff(head: bytes, text: str) -> float:
+    """STEP begins with its standard's number; an IGES start record has an S in column 73."""
+    return 1.0 if text.lstrip().startswith("ISO-10303-21") else 0.9 if _is_iges(text) else 0.0
+
+
+def read(path: Path) -> tuple[Body | BodySurface, ...]:
+    """The lens body and its one or two surfaces. Raises InputError."""
+    body = read_cad(path)
+    return body, *body.surfaces()
+
+
+def write(things: tuple[Any, ...], writing: Writing) -> Written:
+    """A lens as a STEP solid. Raises InputError."""
+    from .cad_writer import step_text
+
+    lens = the_lens(things, "STEP")
+    return Written(
+        step_text(lens), "closed solid of B-spline faces, mm, z towards the scene, back vertex at the origin"
+    )
+
+
 def read_cad(path: Path) -> Body:
     """The lens body of a STEP or IGES file. Raises InputError."""
     shape = _shape(path)
     return body_of(path, lambda place: _lens_faces(path, _moved(shape, place)))
+
+
+def _is_iges(text: str) -> bool:
+    return re.match(r".{72}S[ 0]*1\s", text) is not None
 
 
 def _lens_faces(path: Path, shape: Any) -> list[Face]:
@@ -65,10 +93,8 @@ def _shape(path: Path) -> Any:
     except ModuleNotFoundError:
         raise needs_cad(str(path)) from None
     quiet()
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
-    reader = IGESControl_Reader() if path.suffix.lower() in (".igs", ".iges") else STEPControl_Reader()
-    kind = "IGES" if path.suffix.lower() in (".igs", ".iges") else "STEP"
+    iges = _is_iges(read_bytes(path, 200).decode("latin-1"))
+    reader, kind = (IGESControl_Reader(), "IGES") if iges else (STEPControl_Reader(), "STEP")
     try:
         good = reader.ReadFile(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone and reader.TransferRoots() > 0
         shape = reader.OneShape() if good else None

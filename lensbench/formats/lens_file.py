@@ -1,6 +1,7 @@
 """Lens files: format "lensbench-lens/1". Lengths in mm, powers in D, angles in degrees; frames as in optics.conventions."""
 
 import difflib
+import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,7 +13,7 @@ from ..errors import InputError
 from ..optics import lens as optics_lens
 from ..optics import surfaces
 from ..optics.lens import Lens, Order, Outline, Points
-from ..optics.materials import MATERIALS, Material
+from ..optics.materials import MATERIALS, Material, material_from_abbe, named_material
 from ..optics.surfaces import Surface
 from .orientation import Corner, Rows, Towards
 from .registry import read_file
@@ -234,6 +235,19 @@ class MaterialTable(Table):
             hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(MATERIALS)}, or give its numbers"
             raise ValueError(f"{data!r} is not known; {hint}")
         return asdict(MATERIALS[data])
+
+
+def material_named(text: str) -> Material:
+    """The material of the table that a command names, or "n_d/Abbe number". Raises InputError."""
+    numbers = re.fullmatch(r"([\d.]+)/([\d.]+)", text)
+    found = named_material(text)
+    if numbers and 1 < float(numbers[1]) < 3 and 10 < float(numbers[2]) < 120:
+        return material_from_abbe(text, float(numbers[1]), float(numbers[2]))
+    if found is None:
+        raise InputError(
+            f"material: {text!r} is not known; there are {', '.join(MATERIALS)}, or write n_d/Abbe: 1.592/41"
+        )
+    return found
 
 
 class OutlineTable(Table):

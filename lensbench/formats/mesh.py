@@ -3,6 +3,8 @@
 A facet has no curvature, so powers come from the surface through the vertices; what a mesh has no unit for is mm.
 """
 
+import io
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +16,44 @@ from ..optics.conventions import Floats
 from ..optics.lens import Lens
 from ..optics.polar_mesh import lens_triangles
 from ..optics.scattered import fitted_points
-from .body import Body, Face, Place, body_of
+from .body import Body, BodySurface, Face, Place, body_of, the_lens
+from .registry import HEAD, Writing, Written
+from .text import decoded, read_bytes
 
 FLATTEST_EDGE = np.radians(30.0)  # between the normals of two facets of one cap
 STEEP = 0.5  # least |z| of a facet's unit normal to belong to a cap
 FEWEST_VERTICES = 60
 NOISE = 9000.0  # power noise in D: NOISE (n - 1) rms spacing / cell^3, mm; the factor was found by fitting noisy points
+
+
+def sniff(head: bytes, text: str) -> float:
+    """PLY by its first line, ASCII STL by "solid" and "facet", OBJ by vertex lines, binary STL by its first facets."""
+    return 0.9 if _kind(head, text) else 0.0
+
+
+def read(path: Path) -> tuple[Body | BodySurface, ...]:
+    """The lens body and its one or two surfaces. Raises InputError."""
+    body = read_mesh(path)
+    return body, *body.surfaces()
+
+
+def write(things: tuple[Any, ...], writing: Writing) -> Written:
+    """A lens as binary STL. Raises InputError."""
+    return Written(
+        stl_bytes(the_lens(things, "STL")), "closed mesh, mm, z towards the scene, back vertex at the origin"
+    )
+
+
+def _kind(head: bytes, text: str) -> str:
+    if head.startswith(b"ply"):
+        return "ply"
+    if text.lstrip().startswith("solid") and "facet" in text:
+        return "stl"
+    if re.search(r"^v\s+\S+\s+\S+\s+\S+", text, re.MULTILINE) and not re.search(r"^\w+\s*=", text, re.MULTILINE):
+        return "obj"
+    normal = np.frombuffer(head[84:96], dtype="<f4").astype(float) if len(head) >= 134 else np.zeros(0)
+    unit = normal.size == 3 and bool(np.abs(normal).max() <= 1.001) and abs(float(normal @ normal) - 1) < 1e-3
+    return "stl" if unit and head[132:134] == b"\0\0" else ""
 
 
 def read_mesh(path: Path) -> Body:
@@ -38,10 +72,10 @@ def _mesh(path: Path) -> tuple[Floats, NDArray[np.intp]]:
         import trimesh
     except ModuleNotFoundError:
         raise LensBenchError(f'{path}: meshes need another package: pip install "lensbench[scenes]"') from None
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
+    data = read_bytes(path)
+    kind = _kind(data[:HEAD], decoded(data[:HEAD]) or "") or path.suffix.lower().lstrip(".")
     try:
-        mesh: Any = trimesh.load(path, force="mesh", process=True)
+        mesh: Any = trimesh.load(io.BytesIO(data), file_type=kind, force="mesh", process=True)
         points, faces = np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.intp)
     except Exception as error:  # each of trimesh's readers fails in its own way
         raise InputError(f"{path}: not a mesh that can be read: {type(error).__name__}: {error}") from None

@@ -63,6 +63,16 @@ class Written(NamedTuple):
 FORMATS = (
     Format("TOML", "lens and wearer files of LensBench", (".toml",), "own_toml"),
     Format("SDF", "surface matrix of the VCA/OMA standard", (".sdf",), "sdf"),
+    Format(
+        "VCA job", "order, frame and lens of the VCA/OMA standard", (".lms", ".lds", ".oma", ".vca", ".job"), "vca_job"
+    ),
+    Format("ZMX", "sequential file of Zemax", (".zmx",), "zmx"),
+    Format("STEP", "CAD solid", (".step", ".stp"), "cad", writes=True),
+    Format("IGES", "CAD surfaces", (".igs", ".iges"), "cad"),
+    Format("STL", "mesh of triangles", (".stl",), "mesh", writes=True),
+    Format("mesh", "OBJ and PLY", (".obj", ".ply"), "mesh"),
+    Format("JSON", "B-spline surface of LensBench", (".json",), "bspline_file", writes=True),
+    Format("VTK", "polygons with powers, for VTK programs", (".vtp",), "vtp", reads=False, writes=True),
 )
 
 

@@ -1,6 +1,7 @@
 """A lens as VTK XML polygons (.vtp) with its powers, for any program that reads VTK files; written without VTK."""
 
 import base64
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -9,13 +10,25 @@ from numpy.typing import NDArray
 from ..optics.conventions import Floats, astigmatism, mean_power
 from ..optics.eye import Wearer
 from ..optics.gaze import look_through
-from ..optics.lens import Lens
+from ..optics.lens import Lens, Order
+from ..optics.ordered import wearer_as_ordered
 from ..optics.polar_mesh import lens_triangles
 from ..optics.surfaces import Surface
+from .body import the_lens
+from .registry import Writing, Written
 
 RINGS, AROUND = 60, 360
 FRONT, BACK, EDGE = 0, 1, 2
 VTK_TYPES = {"f8": "Float64", "i8": "Int64"}
+
+
+def write(things: tuple[Any, ...], writing: Writing) -> Written:
+    """A lens with its powers, before the wearer among the things or, without one, the wearer whom its order suggests."""
+    lens = the_lens(things, "VTK")
+    wearer = next((thing for thing in things if isinstance(thing, Wearer)), None)
+    text = vtp_text(lens, wearer or wearer_as_ordered(lens.ordered or Order()))
+    said = "polygons in mm, z towards the scene, with thickness, surface and as-worn powers for far objects"
+    return Written(text, said)
 
 
 def vtp_text(lens: Lens, wearer: Wearer, distance: float = np.inf) -> str:

@@ -1,5 +1,6 @@
 """Lens materials: refractive index at the reference wavelengths, Abbe number and density."""
 
+import re
 from dataclasses import dataclass
 
 
@@ -32,3 +33,30 @@ MATERIALS = {
         Material("crown", 1.523, 1.525, 58.6, 2.54),
     )
 }
+
+_OTHER_NAMES = {
+    "adc": "CR-39",
+    "polycarb": "polycarbonate",
+    "pc": "polycarbonate",
+    "b270": "crown",
+    "crownglass": "crown",
+}
+_LINES = {"F": 0.48613, "e": 0.54607, "d": 0.58756, "C": 0.65627}  # micrometres
+
+
+def named_material(name: str) -> Material | None:
+    """The material of the table whose name is this one but for case, dashes, blanks and underscores, or None."""
+    plain = re.sub(r"[-_ ]", "", name.lower())
+    plain = re.sub(r"[-_ ]", "", _OTHER_NAMES.get(plain, plain).lower())
+    return next((m for m in MATERIALS.values() if re.sub(r"[-_ ]", "", m.name.lower()) == plain), None)
+
+
+def material_from_abbe(name: str, n_d: float, abbe: float, density: float | None = None) -> Material:
+    """A material of which n_d and the Abbe number are known: n_e by Cauchy's n = A + B / lambda^2 through both.
+
+    density: g/cm3; that of the table's material of the nearest index, if not given.
+    """
+    f, e, d, c = (_LINES[line] ** -2 for line in "FedC")
+    b = (n_d - 1) / (abbe * (f - c))
+    nearest = min(MATERIALS.values(), key=lambda m: abs(m.n_d - n_d))
+    return Material(name, n_d, n_d + b * (e - d), abbe, nearest.density if density is None else density)

@@ -115,7 +115,7 @@ def test_a_written_lens_is_a_valid_solid_and_comes_back(tmp_path, lens_of, kind)
     assert BRepCheck_Analyzer(solid).IsValid()
     path = tmp_path / "lens.step"
     path.write_bytes(step_text(lens))
-    again = read_cad(path).lens(path, MATERIALS["CR-39"])
+    again = read_cad(path).lens(MATERIALS["CR-39"])
     x, y = (a.ravel() for a in lens.disc_points(8, 40)[:2])
     assert again.front_height(x, y) - again.front_height(0, 0) == pytest.approx(
         lens.front_height(x, y) - lens.front_height(0, 0), abs=2e-6

@@ -36,7 +36,7 @@ def test_powers_come_back_from_facets(lens, tmp_path, kind):
     else:
         trimesh.Trimesh(*lens_triangles(lens)).export(path)
     body = read_mesh(path)
-    again = body.lens(path, MATERIALS["MR-8"])
+    again = body.lens(MATERIALS["MR-8"])
     assert again.thickness(X, Y) == pytest.approx(lens.thickness(X, Y), abs=1e-4)
     for mine, theirs in ((again.front, lens.front), (again.back, lens.back)):
         error = mine.surface_power(X, Y, 1.6) - theirs.surface_power(X, Y, 1.6)

@@ -1,0 +1,18 @@
+"""The wearer whom an order suggests, for when nothing else is known of the eye."""
+
+import numpy as np
+
+from .eye import Eye, Wear, Wearer
+from .lens import Order
+
+AVERAGE_WEAR = Wear(13.0, float(np.radians(8.0)), float(np.radians(5.0)))
+PUPIL = 4.0
+
+
+def wearer_as_ordered(order: Order, wear: Wear = AVERAGE_WEAR, name: str = "") -> Wearer:
+    """Refraction as ordered at the vertex distance of the position of wear; 4 mm pupil.
+
+    Accommodation 2 (2.5 D - addition): a near distance of 40 cm with half of the amplitude kept in reserve.
+    """
+    accommodation = max(0.0, 2 * (2.5 - order.addition))
+    return Wearer(Eye(order.power(), wear.vertex_distance, accommodation, PUPIL), wear, name)
