@@ -48,9 +48,13 @@ def accommodation_option(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--accommodation", default="retina", help="rule: retina, object or paper; or dioptres")
 
 
-def scene_options(verb: argparse.ArgumentParser) -> None:
-    """--scene."""
-    verb.add_argument("--scene", default="room", metavar="NAME", help="a built-in scene (room)")
+def scene_options(verb: argparse.ArgumentParser, default: str | None = "room") -> None:
+    """--scene and where the wearer stands in a mesh."""
+    what = "a built-in scene, a scene file (.toml), or a mesh (.glb, .gltf, .obj, .ply, .stl)"
+    verb.add_argument("--scene", default=default, metavar="NAME|FILE", help=what + (f" ({default})" if default else ""))
+    verb.add_argument("--scene-unit", choices=["mm", "cm", "m", "in", "ft"], help="of a mesh (glTF: m)")
+    for name, what in (("eye", "place of the eye"), ("ahead", "direction of the face"), ("up", "direction (0 1 0)")):
+        verb.add_argument(f"--scene-{name}", type=float, nargs=3, metavar=("X", "Y", "Z"), help=f"{what}, in the mesh")
 
 
 def output_option(verb: argparse.ArgumentParser, default: str) -> None:
@@ -126,9 +130,11 @@ def accommodation(text: str) -> float | str:
 
 def scene_of(args: argparse.Namespace) -> "Scene":
     """The scene that --scene names."""
-    from ..scenes.builtin import load_scene
+    from ..formats.scene_file import find_scene
 
-    return load_scene(args.scene)
+    place = {name: getattr(args, f"scene_{name}") for name in ("eye", "ahead", "up")}
+    given = {name: None if value is None else (*value,) for name, value in place.items()}
+    return find_scene(args.scene, args.scene_unit, **given)
 
 
 def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:

@@ -8,13 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 from PIL import Image
 
+from ..errors import InputError
 from ..optics.conventions import Floats, unit
 from .cast import Caster
 from .drawing import LIGHT_OF_CODE, Colour, Pixels, encode
 from .light import Lights
 from .scene import Look, Part, Scene, rectangle
 from .solids import Solid
-from .tessellate import Mesh, tessellated
+from .tessellate import MOST_TRIANGLES, Mesh, tessellated
 
 BRIGHTEST, _LEVELS, _NODES = 1.5, 256, 48
 EYE_MOVES = 60.0  # mm, from the middle of the face
@@ -37,29 +38,52 @@ class Panel(NamedTuple):
 
 
 class Thing(NamedTuple):
-    """A solid of one colour; things of one name become one part."""
+    """A solid of one colour; things of one name become one part. closed: it has no inside that could be seen."""
 
     name: str
     solid: Solid
     colour: Colour
+    closed: bool = True
+
+
+class Painted(NamedTuple):
+    """A solid with a colour (n, 3), sRGB codes, at every point."""
+
+    name: str
+    solid: Solid
+    colours: Pixels
+
+
+Piece = Panel | Thing | Painted | Part
 
 
 def build_scene(
-    name: str, about: str, pieces: Iterable[Panel | Thing], lights: Lights, looks: Mapping[str, Look], **more: object
+    name: str, about: str, pieces: Iterable[Piece], lights: Lights, looks: Mapping[str, Look], **more: object
 ) -> Scene:
-    """The scene of some pieces. more: background and sky of the Scene."""
-    panels, things = [], defaultdict(list)
+    """The scene of some pieces; parts are shown as they are. more: background and sky of the Scene.
+
+    Raises InputError when it takes too many triangles.
+    """
+    bare: list[tuple[Panel, Part]] = []
+    things: dict[str, list[Thing]] = defaultdict(list)
+    painted: list[Painted] = []
+    parts: list[Part] = []
     for piece in pieces:
         if isinstance(piece, Panel):
-            panels.append(piece)
-        else:
+            bare.append((piece, _bare(piece)))
+        elif isinstance(piece, Thing):
             things[piece.name].append(piece)
-    bare = [_bare(panel) for panel in panels]
-    meshes = [(part.points, part.triangles) for part in bare]
-    meshes += [(thing.solid.points, thing.solid.triangles) for group in things.values() for thing in group]
-    caster = Caster(meshes)
-    parts = [_lit_panel(panel, part, lights, caster) for panel, part in zip(panels, bare, strict=True)]
+        elif isinstance(piece, Painted):
+            painted.append(piece)
+        else:
+            parts.append(piece)
+    solids = [thing.solid for group in things.values() for thing in group] + [p.solid for p in painted]
+    caster = Caster([(s.points, s.triangles) for s in [*(part for _, part in bare), *solids, *parts]])
+    parts += [_lit_panel(panel, part, lights, caster) for panel, part in bare]
     parts += [_lit_things(group, lights, caster) for group in things.values()]
+    parts += [_lit_paint(piece, lights, caster) for piece in painted]
+    if sum(len(part.triangles) for part in parts) > MOST_TRIANGLES:
+        raise InputError(f"{name}: more than {MOST_TRIANGLES} triangles are needed to draw it: simplify its meshes")
     return Scene(name, tuple(parts), looks=dict(looks), about=about, **more)  # type: ignore[arg-type]
 
 
@@ -134,9 +158,9 @@ def _lit_things(things: list[Thing], lights: Lights, caster: Caster) -> Part:
 
 def _lit_thing(thing: Thing, row: float, ramp: Pixels, lights: Lights, caster: Caster) -> Part:
     """Tessellated first, so that the light is known at every point."""
-    solid = _before_the_eye(thing.solid)
+    solid = _before_the_eye(thing.solid) if thing.closed else thing.solid
     points, triangles, normals = tessellated(Mesh(*solid), thing.name)
-    light = lights.on(points, unit(normals), caster)
+    light = lights.on(points, _directed(normals), caster)
     place = (np.clip(light / BRIGHTEST, 0, 1) * (_LEVELS - 1) + 0.5) / _LEVELS
     return Part(thing.name, points, triangles, np.column_stack([place, np.full(len(place), row)]), ramp)
 
@@ -150,3 +174,31 @@ def _before_the_eye(solid: Solid) -> Solid:
     height = -np.einsum("mj,mj->m", corner[:, 0], normal)
     seen = height > -EYE_MOVES * np.linalg.norm(normal, axis=1)
     return solid._replace(triangles=solid.triangles[seen])
+
+
+# ---- painted solids: four texels a triangle, between which the colour runs straight ----
+
+
+def _lit_paint(piece: Painted, lights: Lights, caster: Caster) -> Part:
+    solid, count = piece.solid, len(piece.solid.points)
+    values = np.column_stack([solid.normals, piece.colours.astype(float)]).reshape(count, 6)
+    points, triangles, values = tessellated(Mesh(solid.points, solid.triangles, values), piece.name)
+    light = lights.on(points, _directed(values[:, :3]), caster)
+    codes = encode(light[:, None] * LIGHT_OF_CODE[np.round(values[:, 3:]).astype(np.intp)])
+    columns = int(np.ceil(np.sqrt(len(triangles))))
+    rows = -(-len(triangles) // columns)
+    a, b, c = codes[triangles].astype(int).swapaxes(0, 1)
+    cells = np.zeros((rows * columns, 2, 2, 3), dtype=np.uint8)
+    cells[: len(triangles)] = np.stack([a, b, c, np.clip(b + c - a, 0, 255)], axis=1).reshape(-1, 2, 2, 3)
+    image = cells.reshape(rows, columns, 2, 2, 3).swapaxes(1, 2).reshape(2 * rows, 2 * columns, 3)
+    row, column = np.divmod(np.arange(len(triangles)), columns)
+    texel = np.stack([column, row], axis=-1)[:, None] * 2 + [[0.5, 0.5], [1.5, 0.5], [0.5, 1.5]]
+    uv = texel.reshape(-1, 2) / [2 * columns, 2 * rows]
+    uv[:, 1] = 1 - uv[:, 1]
+    return Part(piece.name, points[triangles.ravel()], np.arange(triangles.size).reshape(-1, 3), uv, image)
+
+
+def _directed(normals: Floats) -> Floats:
+    """Unit normals; where one vanishes, straight up."""
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.where(length > 1e-9, normals / np.maximum(length, 1e-9), [0.0, 1.0, 0.0])

@@ -1,7 +1,7 @@
 """Reading charts at 40 cm, 60 cm, 1 m and 6 m: rows of five letters from logMAR 1.0 to -0.2, in their true sizes.
 
-A letter of logMAR L is 5 x 10^L minutes of arc high, its strokes a fifth of that, seen from the eye's cornea; letters stand
-one letter's width apart, rows the lower row's height. Source: Bailey & Lovie 1976; letters after Sloan 1959.
+A letter of logMAR L is 5 x 10^L minutes of arc high, its strokes a fifth of that; letters stand one letter's width apart,
+rows the upper row's height. Distances count from the corneas. Source: Bailey & Lovie 1976; letters after Sloan 1959.
 """
 
 from typing import Any
@@ -11,14 +11,14 @@ import numpy as np
 from ..optics.conventions import Floats
 from .build import Panel, Thing, build_scene
 from .drawing import GREY, INK, RED, WHITE, Pixels, Sheet, cloth, wood
-from .furniture import DARK, facing, lying, sheet_facing, standing, table
+from .furniture import DARK, facing, lying, standing, table
 from .light import Lamp, Lights
 from .scene import Look, Scene
 from .solids import box, join, tube
 
 FLOOR, CEILING, TABLE, WALL, SIDE, NEAREST = -1200.0, 1500.0, -560.0, 6100.0, 2000.0, 600.0
 CHARTS = {"6 m": (6000.0, 0.0), "1 m": (1000.0, -11.5), "60 cm": (600.0, -22.0), "40 cm": (400.0, -33.0)}
-TO_CORNEA = 13.0  # mm from the frame's origin to the cornea, at the usual vertex distance
+CORNEA = np.array([0.0, 0.0, -13.0])  # mm, at the usual vertex distance
 ROWS = (
     "NCKZO",
     "RHSDK",
@@ -108,8 +108,8 @@ def _ring(x: float, y: float, radius: float) -> Floats:
 
 
 def letter_height(acuity: float, distance: float) -> float:
-    """Height (mm) of a letter of an acuity in logMAR at a distance (mm) from the frame's origin."""
-    return 2 * (distance + TO_CORNEA) * float(np.tan(np.radians(5 * 10**acuity / 60) / 2))
+    """Height (mm) of a letter of an acuity in logMAR at a distance (mm) from the cornea."""
+    return 2 * distance * float(np.tan(np.radians(5 * 10**acuity / 60) / 2))
 
 
 def chart_size(distance: float) -> tuple[float, float]:
@@ -150,9 +150,11 @@ def chart() -> Scene:
     for label, (distance, elevation) in CHARTS.items():
         name = f"chart {label}"
         size = chart_size(distance)
-        sheet = sheet_facing(name, distance, elevation, size, chart_sheet(label, distance))
+        centre, up = facing(distance, elevation)
+        half = [-size[0] / 2, 0, 0], size[1] / 2 * up
+        sheet = Panel(name, centre + CORNEA, *half, chart_sheet(label, distance))
         pieces += [sheet._replace(shines=distance > 2000), *_board(distance, elevation, size)]
-        looks[label] = Look(tuple(float(v) for v in facing(distance, elevation)[0]), name)
+        looks[label] = Look(tuple(float(v) for v in centre + CORNEA), name)
     for side in (-1, 1):
         pieces.append(standing("dial", (side * 1250, 0, 6000), (900, 900), _dial() if side > 0 else _grating()))
         pieces.append(Thing("boards", box([side * 1250, 0, 6018], [940, 940, 30]), (60, 62, 66)))
@@ -169,7 +171,7 @@ def chart() -> Scene:
 def _board(distance: float, elevation: float, size: tuple[float, float]) -> list[Thing]:
     """The board behind a chart; on the table, with a leg."""
     centre, _ = facing(distance, elevation)
-    ahead = centre / distance
+    ahead, centre = centre / distance, centre + CORNEA
     thick = 5.0 if distance < 2000 else 30.0
     board = box([0, 0, thick / 2 + 1], [size[0] * 1.03, size[1] * 1.03, thick]).placed(centre, -elevation)
     things = [Thing("boards", board, (60, 62, 66))]

@@ -275,7 +275,9 @@ def _room() -> list:
         _wall((left, right), (FLOOR, sill), paint),
         _wall((left, right), (lintel, CEILING), paint),
     ]
-    bars = [box([x, (sill + lintel) / 2, WALL + 20], [60, lintel - sill, 60]) for x in (left + 30, 0, right - 30)]
+    bars = [
+        box([x, (sill + lintel) / 2, WALL + 20], [60, lintel - sill, 60]) for x in (left + 30, -320, 320, right - 30)
+    ]
     bars += [box([0, y, WALL + 20], [right - left, 60, 58]) for y in (sill + 30, lintel - 30)]
     ledge = box([0, sill - 15, WALL - 90], [right - left + 160, 30, 190])
     return [

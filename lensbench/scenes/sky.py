@@ -10,10 +10,11 @@ from ..errors import InputError
 from ..optics.conventions import Floats
 from .drawing import Pixels, encode
 from .scene import Part
-from .tessellate import Mesh, tessellated
+from .tessellate import WIDEST, Mesh, tessellated
 
 RADIUS = 2e6  # mm: 0.0005 D, beyond everything that stands in a scene
 ALL_AHEAD = (-85.0, 85.0)
+_FINE = 0.95 * WIDEST  # new points move outwards onto the sphere
 
 
 def sky_part(
@@ -32,7 +33,7 @@ def sky_part(
     right, above, opposite = corner + 1, corner + 15, corner + 16
     triangles = np.concatenate([np.stack([corner, right, opposite], 1), np.stack([corner, opposite, above], 1)])
     angles = np.stack([azimuth, elevation], axis=-1)
-    mesh = tessellated(Mesh(_on_sphere(angles), triangles, angles), "sky")
+    mesh = tessellated(Mesh(_on_sphere(angles), triangles, angles), "sky", _FINE)
     uv = np.stack([0.5 - mesh.values[:, 0] / (2 * np.pi), 0.5 + mesh.values[:, 1] / np.pi], axis=-1)
     return Part("sky", _on_sphere(mesh.values), mesh.triangles, uv, image)
 

@@ -30,7 +30,7 @@ def stairs() -> Scene:
         Lamp((700, 200, 2600), (0, 0, 600), (0, 500, 0), 0.8),
     )
     looks = {
-        "far": Look((0.0, BOTTOM + 1500, END - 20), "sign"),
+        "far": Look((-180.0, BOTTOM + 2380, END - 14), "sign"),
         "floor": Look((0.0, BOTTOM, FOOT + 500), "landing below"),
         "fifth step": Look(_on_step(5), "steps"),
         "third step": Look(_on_step(3), "steps"),
