@@ -17,7 +17,12 @@ from lensbench.scenes.mesh_file import Placing
 OpenEXR = pytest.importorskip("OpenEXR")
 
 QUARTERS = np.zeros((64, 64, 3), np.uint8)  # red and green above, blue and white below
-QUARTERS[:32, :32], QUARTERS[:32, 32:], QUARTERS[32:, :32], QUARTERS[32:] = (255, 0, 0), (0, 255, 0), (0, 0, 255), 255
+QUARTERS[:32, :32], QUARTERS[:32, 32:], QUARTERS[32:, :32], QUARTERS[32:, 32:] = (
+    (255, 0, 0),
+    (0, 255, 0),
+    (0, 0, 255),
+    255,
+)
 PLACE = {"eye": (1.0, 1.5, 4.0), "ahead": (0.0, 0.0, -1.0)}
 
 
