@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .formats.power_map import PowerMap
 from .optics.atlas import FieldAtlas
 from .optics.conventions import Floats, ReadOnlyArrays
 from .optics.eye import Wearer
@@ -127,6 +128,15 @@ class DefocusLayer:
     view: ViewLayer = ViewLayer()
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class AgainstLayer:
+    """The lens against a measured map of it. by: "lensmeter" (back vertex power) or "worn", for objects at `distance` mm."""
+
+    measured: PowerMap
+    by: str = "lensmeter"
+    distance: float = np.inf
+
+
 EYES = ("lens", "naked", "pinhole", "perfect")
 Layer = (
     MapLayer
@@ -138,6 +148,7 @@ Layer = (
     | VoxelLayer
     | ViewLayer
     | DefocusLayer
+    | AgainstLayer
 )
 
 
@@ -354,6 +365,20 @@ class DefocusView(ReadOnlyArrays):
     defocus: Floats
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Deviation(ReadOnlyArrays):
+    """Measured less designed power at map points x (nx,), y (ny,) mm: mean (ny, nx), D; astigmatic (ny, nx): magnitude of the
+    astigmatic difference, D; NaN where nothing was measured or status (ny, nx) is not OK.
+    """
+
+    layer: AgainstLayer
+    x: Floats
+    y: Floats
+    mean: Floats
+    astigmatic: Floats
+    status: NDArray[np.int8]
+
+
 Result = (
     LensMap
     | Profile
@@ -364,4 +389,5 @@ Result = (
     | VoxelField
     | SeenScene
     | DefocusView
+    | Deviation
 )

@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import seen
+from .against import deviation
 from .errors import InputError
 from .layers import (
+    AgainstLayer,
     DefocusLayer,
     DefocusView,
+    Deviation,
     EllipseLayer,
     EllipseSheet,
     Layer,
@@ -221,6 +224,12 @@ def real_ray_checks(layer: RealRaysLayer, request: Request) -> RealRays:
     _, _, _, field = _map_field(_needed_lens(request), *_geometry(request.wearer), layer.samples)
     field = replace(field, wearer=request.wearer)
     return compare(field, layer, lambda distance, rays: _object_distance(distance, rays, request))
+
+
+@_answer.register
+def against_measured(layer: AgainstLayer, request: Request) -> Deviation:
+    """Measured less designed power."""
+    return deviation(_needed_lens(request), request.wearer, layer)
 
 
 @_answer.register

@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..errors import InputError
 from .options import (
     accommodation,
     accommodation_option,
@@ -13,6 +14,7 @@ from .options import (
     count,
     deliver,
     depth,
+    distance,
     distance_or_name,
     kind_of,
     lens_and_wearer,
@@ -31,6 +33,7 @@ if TYPE_CHECKING:
 def add_verbs(verbs: Any) -> None:
     """Add this group's verbs."""
     _add_map(verbs)
+    _add_against(verbs)
     _add_eoc(verbs)
     _add_voxels(verbs)
 
@@ -44,6 +47,17 @@ def _add_map(verbs: Any) -> None:
     verb.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
     accommodation_option(verb)
     output_option(verb, "map.png")
+
+
+def _add_against(verbs: Any) -> None:
+    verb = add_verb(verbs, "against", write_against, "a lens against its map from a lens mapper, as PNG, CSV or JSON")
+    lens_and_wearer(verb)
+    verb.add_argument("measured", type=Path, help="power map (.csv)")
+    verb.add_argument("--by", choices=["lensmeter", "worn"], default="lensmeter", help="how the map was measured")
+    verb.add_argument("-d", "--distance", type=distance, default=math.inf, help="of a map as worn (inf)")
+    verb.add_argument("--from-behind", action="store_true", help="the map's x runs as seen from the eye's side")
+    verb.add_argument("--tolerance", type=float, default=0.12, metavar="D", help="dioptres (0.12)")
+    output_option(verb, "against.png")
 
 
 def _add_eoc(verbs: Any) -> None:
@@ -94,6 +108,25 @@ def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", resul
     from ..views.maps import map_figure
 
     return map_figure(lens, result, subtitle=subtitle)
+
+
+def write_against(args: argparse.Namespace) -> None:
+    """lensbench against LENS MAP."""
+    from ..formats import load_power_map
+    from ..layers import AgainstLayer, Request
+    from ..report.tables import deviation_csv, deviation_numbers
+    from ..views.against import deviation_figure
+    from ..workbench import run
+
+    kind = kind_of(args.output, ".png", ".csv", ".json")
+    if not args.tolerance > 0:
+        raise InputError(f"--tolerance: {args.tolerance:g} D; it must be more than 0")
+    lens, wearer = load_case(args)
+    measured = load_power_map(args.measured)
+    layer = AgainstLayer(measured.mirrored() if args.from_behind else measured, args.by, args.distance)
+    found = run(Request(lens, wearer, layer))
+    numbers = deviation_numbers(found, args.tolerance)
+    deliver(args, kind, numbers, partial(deviation_csv, found), partial(deviation_figure, lens, found, args.tolerance))
 
 
 def write_ellipses(args: argparse.Namespace) -> None:

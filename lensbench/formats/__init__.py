@@ -13,10 +13,11 @@ from ..optics.lens import Lens
 from ..optics.surfaces import Surface
 from .lens_file import material_named
 from .own_toml import WEARER_FORMAT
+from .power_map import PowerMap
 from .registry import Writing, read_file, write_format
 from .surface_data import Reading, chosen
 
-__all__ = ["load", "load_lens", "load_pair", "load_surface", "load_wearer", "read_file", "write"]
+__all__ = ["load", "load_lens", "load_pair", "load_power_map", "load_surface", "load_wearer", "read_file", "write"]
 
 
 def load(path: str | Path) -> Any:
@@ -70,6 +71,16 @@ def load_wearer(path: str | Path, side: str = "") -> Wearer:
         if isinstance(item, Wearer):
             return item
     raise InputError(f"{path}: holds no wearer; a wearer file begins with format = {WEARER_FORMAT!r}")
+
+
+def load_power_map(path: str | Path) -> PowerMap:
+    """The measured power map in a file. Raises InputError."""
+    for item in read_file(path).items:
+        if isinstance(item, PowerMap):
+            return item
+    raise InputError(
+        f"{path}: holds no power map; one is a .csv with columns x, y and sphere or mean power, cylinder, axis"
+    )
 
 
 def load_surface(path: str | Path, reading: Reading | None = None) -> Surface:

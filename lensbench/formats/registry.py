@@ -72,6 +72,7 @@ FORMATS = (
     Format("STL", "mesh of triangles", (".stl",), "mesh", writes=True),
     Format("mesh", "OBJ and PLY", (".obj", ".ply"), "mesh"),
     Format("JSON", "B-spline surface of LensBench", (".json",), "bspline_file", writes=True),
+    Format("power map", "CSV of a lens mapper", (".csv",), "power_map"),
     Format("VTK", "polygons with powers, for VTK programs", (".vtp",), "vtp", reads=False, writes=True),
 )
 

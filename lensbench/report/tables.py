@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..layers import EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
+from ..layers import Deviation, EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
 from ..optics.conventions import Status
 
 
@@ -36,6 +36,37 @@ def map_csv(lens_map: LensMap) -> str:
     for j, i in np.argwhere(lens_map.status != Status.OUTSIDE_OUTLINE):
         value, status = lens_map.values[j, i], Status(lens_map.status[j, i])
         writer.writerow([f"{lens_map.x[i]:.4f}", f"{lens_map.y[j]:.4f}", f"{value:.6g}", status.name])
+    return out.getvalue()
+
+
+def deviation_numbers(found: Deviation, tolerance: float) -> dict[str, Any]:
+    """Of each difference (D): count, mean, rms, greatest amount and where (mm), part within the tolerance; and the maps."""
+    numbers: dict[str, Any] = {"by": found.layer.by, "tolerance_D": tolerance, "x_mm": found.x, "y_mm": found.y}
+    for name, values in (("mean_power", found.mean), ("astigmatic", found.astigmatic)):
+        known = values[np.isfinite(values)]
+        if not known.size:
+            continue
+        j, i = np.unravel_index(np.nanargmax(np.abs(values)), values.shape)
+        numbers[name] = {
+            "points": known.size,
+            "mean_D": known.mean(),
+            "rms_D": np.sqrt(np.mean(known**2)),
+            "greatest_D": np.abs(known).max(),
+            "greatest_at_mm": [found.x[i], found.y[j]],
+            "within_tolerance": np.mean(np.abs(known) <= tolerance),
+            "difference_D": values,
+        }
+    return numbers
+
+
+def deviation_csv(found: Deviation) -> str:
+    """x_mm, y_mm, measured less designed mean power (D), astigmatic difference (D): one line a point with a value."""
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["x_mm", "y_mm", "mean_power_difference_D", "astigmatic_difference_D"])
+    for j, i in np.argwhere(np.isfinite(found.mean) | np.isfinite(found.astigmatic)):
+        values = f"{found.mean[j, i]:.6g}", f"{found.astigmatic[j, i]:.6g}"
+        writer.writerow([f"{found.x[i]:.4f}", f"{found.y[j]:.4f}", *values])
     return out.getvalue()
 
 
