@@ -13,7 +13,7 @@ MOST_BANDS = 8
 
 
 def deviation_figure(lens: Lens, found: Deviation, tolerance: float) -> NDArray[np.uint8]:
-    """Mean and astigmatic difference over the lens, picture (h, w, 3), in steps of the tolerance (D) where that gives few bands.
+    """Mean and astigmatic difference over the lens, picture (h, w, 3), in steps of the tolerance (D) if these are few.
 
     The bands next to 0 are then what lies within the tolerance.
     """
