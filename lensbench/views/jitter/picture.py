@@ -1,5 +1,7 @@
 """Pictures of a view, drawn off screen."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from vtkmodules.util.numpy_support import vtk_to_numpy
@@ -72,24 +74,26 @@ def render_view(seen: SeenScene, passes: int = 48, seed: int = 0, exposure: floa
         return studio.picture(seen, passes, seed, exposure)
 
 
-def side_by_side(pictures: list[tuple[str, Pixels]], caption: str) -> Pixels:
+def side_by_side(pictures: Sequence[tuple[str, Pixels]], caption: str) -> Pixels:
     """Pictures of one height in a row (h, w, 3), each under its title, with a caption below all."""
     height = pictures[0][1].shape[0]
     letter, gap = max(11, height // 24), max(4, height // 60)
-    titles, captions = _sans("-Bold", letter), _sans("", letter)
     width = sum(picture.shape[1] + gap for _, picture in pictures) + gap
     top, bottom = 2 * letter, 2 * letter
     strip = Image.new("RGB", (width, top + height + bottom), "white")
     pen, x = ImageDraw.Draw(strip), gap
     for title, picture in pictures:
+        room = picture.shape[1]
+        fitting = letter * min(1.0, room / max(1.0, pen.textlength(title, letters("-Bold", letter))))
         strip.paste(Image.fromarray(picture), (x, top))
-        pen.text((x + picture.shape[1] / 2, top / 2), title, _INK, titles, "mm")
-        x += picture.shape[1] + gap
-    pen.text((gap, top + height + bottom / 2), caption, _INK, captions, "lm")
+        pen.text((x + room / 2, top / 2), title, _INK, letters("-Bold", int(fitting)), "mm")
+        x += room + gap
+    pen.text((gap, top + height + bottom / 2), caption, _INK, letters("", letter), "lm")
     return np.asarray(strip)
 
 
-def _sans(weight: str, size: int) -> ImageFont.FreeTypeFont:
+def letters(weight: str, size: int) -> ImageFont.FreeTypeFont:
+    """A sans-serif font of a size in pixels. weight: "" or "-Bold"."""
     from matplotlib import get_data_path
 
     return ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans{weight}.ttf", size)
