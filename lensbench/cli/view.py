@@ -17,13 +17,14 @@ from .options import (
     load_case,
     scene_of,
     scene_options,
+    write,
     write_picture,
 )
 
 
 def add_verbs(verbs: Any) -> None:
     """Add this group's verbs."""
-    verb = add_verb(verbs, "view", write_view, "what the wearer sees of a scene, as PNG")
+    verb = add_verb(verbs, "view", write_view, "what the wearer sees of a scene, as PNG or OpenEXR")
     lens_and_wearer(verb)
     scene_options(verb)
     verb.add_argument(
@@ -41,10 +42,9 @@ def add_verbs(verbs: Any) -> None:
 def write_view(args: argparse.Namespace) -> None:
     """lensbench view LENS."""
     from ..layers import Request, ViewLayer
-    from ..views.jitter import render_view
     from ..workbench import look, run
 
-    kind_of(args.output, ".png")
+    kind = kind_of(args.output, ".png", ".exr")
     if not 5 <= args.fov <= 120 or min(args.size) < 16 or max(args.size) > 8192:
         raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels")
     lens, wearer = load_case(args)
@@ -53,4 +53,19 @@ def write_view(args: argparse.Namespace) -> None:
     rule = accommodation(args.accommodation)
     layer = ViewLayer(args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), rule)
     seen = run(Request(lens, wearer, layer, scene))
+    if kind == ".exr":
+        write_exr(args.output, seen, args.passes)
+        return
+    from ..views.jitter import render_view
+
     write_picture(args.output, render_view(seen, args.passes))
+
+
+def write_exr(path: Path, seen: Any, passes: int, seed: int = 0) -> None:
+    """Write a view's linear light and the optics of its pixels as OpenEXR, and say its name."""
+    from ..imaging.exr import exr_bytes
+    from ..views.jitter import Studio
+
+    with Studio() as studio:
+        light = studio.light(seen, passes, seed)
+    write(path, exr_bytes(light, seen))
