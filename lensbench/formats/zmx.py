@@ -166,25 +166,27 @@ def _number(where: str, words: list[str], k: int, infinite: bool = False) -> flo
 
 
 def _round_the_glass(path: Path, rows: list[Row]) -> tuple[Row, Row]:
-    """The surface before and the surface after the only glass of the file."""
-    glass = [row for row in rows if row.glass and row.type != "COORDBRK"]
-    mirror = next((row for row in glass if row.glass[0].upper() == "MIRROR"), None)
-    if mirror is not None:
+    """The surface before and the surface after the only glass that has air on both sides (a model eye has glass on glass)."""
+    solid = [row for row in rows if row.type != "COORDBRK"]
+    glass = [k for k, row in enumerate(solid) if row.glass]
+    alone = [k for k in glass if k and not solid[k - 1].glass and not (k + 1 < len(solid) and solid[k + 1].glass)]
+    if len(alone) != 1:
+        held = f"glass after surfaces {', '.join(str(solid[k].number) for k in glass)}" if glass else "no glass (GLAS)"
+        raise InputError(f"{path}: {held}; a spectacle lens is the only glass with air before and behind it")
+    first = solid[alone[0]]
+    if first.glass[0].upper() == "MIRROR":
         raise InputError(
-            f"{path}, line {mirror.line}: surface {mirror.number} is a mirror; only one spectacle lens is read"
+            f"{path}, line {first.line}: surface {first.number} is a mirror; only a spectacle lens is read"
         )
-    if len(glass) != 1:
-        held = f"glass after surfaces {', '.join(str(row.number) for row in glass)}" if glass else "no glass (GLAS)"
-        raise InputError(f"{path}: {held}; a spectacle lens is one glass between two surfaces")
-    after = [row for row in rows if row.number > glass[0].number and row.type != "COORDBRK"]
-    if not after:
-        raise InputError(f"{path}, line {glass[0].line}: surface {glass[0].number}: no surface ends its glass")
-    for row in (glass[0], after[0]):
+    if alone[0] + 1 == len(solid):
+        raise InputError(f"{path}, line {first.line}: surface {first.number}: no surface ends its glass")
+    second = solid[alone[0] + 1]
+    for row in (first, second):
         if row.type not in SHAPES:
             raise InputError(
                 f"{path}, line {row.line}: surface {row.number} is of type {row.type}; there are {', '.join(SHAPES)}"
             )
-    return glass[0], after[0]
+    return first, second
 
 
 def _material(path: Path, row: Row) -> Material:

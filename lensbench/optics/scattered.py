@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
+from scipy.linalg import solveh_banded
 from scipy.sparse import csr_array, kron
-from scipy.sparse.linalg import splu
 
 from .conventions import Floats
 from .surfaces import Surface, bspline
@@ -38,11 +38,22 @@ def fitted_points(x: ArrayLike, y: ArrayLike, z: ArrayLike, knot_pitch: float, n
     basis_x, basis_y = _basis(knots_x, px), _basis(knots_y, py)
     design = csr_array(_rowwise_product(basis_y, basis_x))
     bend = _roughness(knots_x, knots_y) * (STIFFNESS * px.size)
-    coefficients = splu((design.T @ design + bend).tocsc()).solve(design.T @ pz)
+    coefficients = _solved(csr_array(design.T @ design + bend), design.T @ pz)
     residuals = pz - design @ coefficients
     grid = coefficients.reshape(basis_y.shape[1], basis_x.shape[1])
     height = float(np.nan_to_num(bspline(knots_x, knots_y, grid, DEGREE).sag(0.0, 0.0)))
     return PointFit(bspline(knots_x, knots_y, grid - height, DEGREE, note=note), height, residuals)
+
+
+def _solved(matrix: csr_array, right: Floats) -> Floats:
+    """Solution of a symmetric, positive definite system whose entries lie near the diagonal."""
+    entries = matrix.tocoo()
+    upper = entries.col >= entries.row
+    row, col = entries.row[upper], entries.col[upper]
+    width = int((col - row).max())
+    band = np.zeros((width + 1, matrix.shape[0]))
+    band[width + row - col, col] = entries.data[upper]
+    return np.asarray(solveh_banded(band, right, overwrite_ab=True, check_finite=False), dtype=float)
 
 
 def _knots(values: Floats, pitch: float) -> Floats:

@@ -151,6 +151,13 @@ def test_breaks_before_the_lens_are_position_of_wear(tmp_path):
     assert "position of wear" in body.understood[-1]
 
 
+def test_a_model_eye_behind_the_lens_does_no_harm(tmp_path):
+    eye = "  TYPE STANDARD\n  CURV 0.13\n  DISZ 0.5\n  GLAS CORNEA 0 0 1.5 40\n"
+    aqueous = "  TYPE STANDARD\n  CURV 0.15\n  DISZ 3\n  GLAS AQUEOUS 0 0 1.5 40\n"
+    lens = lb.load_lens(saved(tmp_path, f"{zmx()}SURF 5\n{eye}SURF 6\n{aqueous}SURF 7\n  TYPE STANDARD\n"))
+    assert lens.front_height(X, Y) == pytest.approx(3 - conic(0.01, -0.5, X**2 + Y**2), abs=1e-12)
+
+
 def test_glass_by_name(tmp_path):
     assert lb.load_lens(saved(tmp_path, zmx(glass="POLYCARB 0 0 1.5 40 0 0"))).material.name == "polycarbonate"
     assert lb.load_lens(saved(tmp_path, zmx(glass="MR8"))).material.name == "MR-8"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lensbench.optics.scattered import fitted_points
@@ -20,6 +20,7 @@ def disc(count, radius=30.0, seed=1):
     return p.real + jitter[0], p.imag + jitter[1]
 
 
+@settings(max_examples=8)
 @given(st.integers(900, 3000), st.floats(2.5, 6.0), st.floats(-3, 3))
 def test_a_smooth_sag_comes_back_with_its_curvatures(count, knot_pitch, height):
     x, y = disc(count)
