@@ -139,10 +139,15 @@ def scene_of(args: argparse.Namespace) -> "Scene":
 
 def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
     """The lens and its wearer."""
+    return load_lens_of(args, args.lens)
+
+
+def load_lens_of(args: argparse.Namespace, path: Path) -> tuple["Lens", "Wearer"]:
+    """The lens in a file; its wearer: of --wearer, else of the file, else assumed."""
     from ..formats import load_pair, load_wearer
     from ..workbench import assumed_wearer
 
-    lens, told = load_pair(args.lens, args.side, args.material)[0]
+    lens, told = load_pair(path, args.side, args.material)[0]
     if args.wearer:
         return lens, load_wearer(args.wearer, lens.side)
     return lens, told or assumed_wearer(lens)

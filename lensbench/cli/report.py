@@ -1,15 +1,30 @@
-"""lensbench report: everything about a lens in one page."""
+"""lensbench report, compare: everything about a lens, or about several side by side, in one page."""
 
 import argparse
 import sys
 from pathlib import Path
 from typing import Any
 
-from .options import add_verb, distance, lens_and_wearer, load_case, scene_of, scene_options
+from .options import (
+    add_verb,
+    distance,
+    lens_and_wearer,
+    lens_choice,
+    load_case,
+    load_lens_of,
+    scene_of,
+    scene_options,
+    write,
+)
 
 
 def add_verbs(verbs: Any) -> None:
     """Add this group's verbs."""
+    _add_report(verbs)
+    _add_compare(verbs)
+
+
+def _add_report(verbs: Any) -> None:
     verb = add_verb(verbs, "report", write_report, "write a full report of a lens: index.html, PNGs, results.json")
     lens_and_wearer(verb)
     verb.add_argument(
@@ -17,6 +32,25 @@ def add_verbs(verbs: Any) -> None:
     )
     scene_options(verb)
     verb.add_argument("-o", "--output", type=Path, default=None, metavar="DIR", help="folder (reports/<lens file>)")
+
+
+def _add_compare(verbs: Any) -> None:
+    verb = add_verb(verbs, "compare", write_comparison, "several lenses side by side: index.html, PNGs, zones.csv")
+    verb.add_argument(
+        "lenses", type=Path, nargs="+", metavar="LENS", help="lens files of one side; the first is the reference"
+    )
+    lens_choice(verb)
+    verb.add_argument(
+        "-w", "--wearer", type=Path, help="wearer file (.toml); assumed from the first lens's order if not given"
+    )
+    verb.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("reports") / "comparison",
+        metavar="DIR|FILE",
+        help="folder (reports/comparison), or a .csv file for the measures of the zones alone",
+    )
 
 
 def write_report(args: argparse.Namespace) -> None:
@@ -32,3 +66,22 @@ def write_report(args: argparse.Namespace) -> None:
     build_report(lens, wearer, folder, tuple(args.object_distance or DEFAULT_DISTANCES), progress, scene)
     progress.done()
     print(folder / "index.html")
+
+
+def write_comparison(args: argparse.Namespace) -> None:
+    """lensbench compare LENS LENS ..."""
+    from ..compare import compare
+    from ..report.comparison import build_comparison, zones_csv
+    from ..report.progress import Progress
+
+    progress = Progress(sys.stderr)
+    progress.step("load")
+    cases = [load_lens_of(args, path) for path in args.lenses]
+    wearer = cases[0][1]
+    lenses = [lens for lens, _ in cases]
+    if args.output.suffix.lower() == ".csv":
+        write(args.output, zones_csv(compare(lenses, wearer)))
+        return
+    build_comparison(lenses, wearer, args.output, progress)
+    progress.done()
+    print(args.output / "index.html")

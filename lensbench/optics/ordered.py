@@ -1,4 +1,6 @@
-"""The wearer whom an order suggests, for when nothing else is known of the eye."""
+"""The wearer whom an order suggests, for when nothing else is known of the eye or another eye would mislead."""
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,3 +18,11 @@ def wearer_as_ordered(order: Order, wear: Wear = AVERAGE_WEAR, name: str = "") -
     """
     accommodation = max(0.0, 2 * (2.5 - order.addition))
     return Wearer(Eye(order.power(), wear.vertex_distance, accommodation, PUPIL), wear, name)
+
+
+def refracted_as_ordered(wearer: Wearer, order: Order | None) -> Wearer:
+    """The wearer with the refraction for which a lens was ordered, in the same position of wear; as he is without an order."""
+    if order is None:
+        return wearer
+    eye = replace(wearer.eye, refraction=order.power(), refraction_vertex_distance=wearer.wear.vertex_distance)
+    return replace(wearer, eye=eye)

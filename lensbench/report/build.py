@@ -1,11 +1,8 @@
 """From a lens and a wearer to a folder with index.html (self-contained), the pictures and results.json."""
 
-import base64
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from datetime import date
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +33,7 @@ from ..quantities import QUANTITIES
 from ..scenes.scene import Scene
 from ..workbench import look, run
 from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
+from .html import Picture, picture_of, render
 from .progress import Progress
 from .tables import BLURRED, distance_text, map_numbers, real_rays_rows
 
@@ -73,20 +71,6 @@ class Findings:
     ellipses: tuple[EllipseSheet, ...]
     looks: dict[str, tuple[float, float]]
     real_rays: RealRays
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """A picture of the report: file name, caption, PNG bytes."""
-
-    name: str
-    caption: str
-    png: bytes
-
-    @property
-    def data_uri(self) -> str:
-        """The picture as the page holds it."""
-        return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
 def build_report(
@@ -149,17 +133,17 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
 
     scale = {name: shared_limits([findings.maps[n] for n in modes]) for modes in MODES for name in modes}
     pictures = {
-        name: _picture(
+        name: picture_of(
             name, lens_map.label, map_figure(lens, lens_map, limits=scale.get(name), subtitle=_map_subtitle(name))
         )
         for name, lens_map in findings.maps.items()
     }
-    pictures["profile"] = _picture(
+    pictures["profile"] = picture_of(
         "profile",
         "Power profile along the main meridian",
         profile_figure(lens, findings.profile, "through the fitting and near reference points, objects at infinity"),
     )
-    pictures["section"] = _picture("section", "Vertical and horizontal section", section_figure(lens))
+    pictures["section"] = picture_of("section", "Vertical and horizontal section", section_figure(lens))
     return pictures | _real_rays_pictures(lens, findings.real_rays)
 
 
@@ -167,10 +151,10 @@ def _real_rays_pictures(lens: Lens, found: RealRays) -> dict[str, Picture]:
     from ..views.real_rays import real_rays_figure, spots_figure
 
     compared = real_rays_figure(lens, found, [distance_text(check.distance) for check in found.checks])
-    pictures = {"real_rays": _picture("real_rays", "First order against real rays", compared)}
+    pictures = {"real_rays": picture_of("real_rays", "First order against real rays", compared)}
     if found.spots:
         spots = spots_figure(lens, found.spots, [distance_text(float(f"{s.distance:.3g}")) for s in found.spots])
-        pictures["spots"] = _picture("spots", "Spots and ellipses of confusion", spots)
+        pictures["spots"] = picture_of("spots", "Spots and ellipses of confusion", spots)
     return pictures
 
 
@@ -192,11 +176,11 @@ def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str
         text = distance_text(distance)
         name = f"defocus_{distance if isinstance(distance, str) else f'{distance:g}'}"
         picture = map_on_lens(lens, wearer, lens_map, limits=limits, subtitle=text)
-        pictures[name] = _picture(name, f"Defocus map, {text}", picture)
+        pictures[name] = picture_of(name, f"Defocus map, {text}", picture)
     layers = ellipse_figure(lens, wearer, findings.ellipses)
-    pictures["ellipses"] = _picture("ellipses", "Ellipses of confusion", layers)
+    pictures["ellipses"] = picture_of("ellipses", "Ellipses of confusion", layers)
     stack = ellipse_stack(lens, wearer, findings.ellipses)
-    pictures["ellipses_in_space"] = _picture("ellipses_in_space", "Ellipses of confusion in space", stack)
+    pictures["ellipses_in_space"] = picture_of("ellipses_in_space", "Ellipses of confusion in space", stack)
     return pictures
 
 
@@ -216,7 +200,7 @@ def view_pictures(
             }
             caption = f"Looking {name}: {_gaze_text(*gaze)} at the centre, 50° wide"
             strip = side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption)
-            pictures[f"view_{name}"] = _picture(f"view_{name}", caption, strip)
+            pictures[f"view_{name}"] = picture_of(f"view_{name}", caption, strip)
     return pictures
 
 
@@ -225,12 +209,6 @@ def _gaze_text(azimuth: float, elevation: float) -> str:
     return (
         f"gaze {abs(up):.0f}° {'down' if up < 0 else 'up'}, {abs(left):.0f}° to the {'right' if left < 0 else 'left'}"
     )
-
-
-def _picture(name: str, caption: str, picture: Any) -> Picture:
-    from ..views.maps import png_bytes
-
-    return Picture(f"{name}.png", caption, png_bytes(picture))
 
 
 def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
@@ -265,11 +243,8 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
 
 def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Picture]) -> str:
     """The report as one HTML page that needs no other file."""
-    from jinja2 import Environment, StrictUndefined
-
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string(files(__package__).joinpath("template.html").read_text(encoding="utf-8"))
-    return template.render(
+    return render(
+        "template.html",
         lens=lens,
         wearer=wearer,
         findings=findings,
@@ -283,9 +258,6 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         prescription=prescription_text,
         power_matrix=power_matrix,
         failed=_failed(findings.maps["mean_power"]),
-        today=date.today().isoformat(),
-        version=__version__,
-        conventions=VERSION,
     )
 
 

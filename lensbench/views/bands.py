@@ -57,6 +57,7 @@ STYLES = {
     "prism_horizontal": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "prism_vertical": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "magnification": MapStyle(_SIGNED, (0.01, 0.02, 0.05, 0.1, 0.2, 0.5), centre=1.0),
+    "difference": MapStyle(_SIGNED),
     "thickness": MapStyle(("GnBu",), (0.2, 0.5, 1.0, 2.0), decimals=1),
     "defocus_by_real_rays": MapStyle(("magma_r",), label_every=1, decimals=0, levels=_ARCMIN),
     "defocus_left_out": MapStyle(_SIGNED, _FINE, decimals=2),

@@ -1,0 +1,138 @@
+"""Where a lens is usable: widths and areas of its zones, its unwanted astigmatism, and how soon the addition comes.
+
+A place belongs to a zone where the astigmatic error (as worn, against the order; without one against the wearer's
+prescription) is at most CLEAR and the share of the addition reached there lies in the zone's window. Source: Sheedy 2004;
+Sheedy, Hardy & Hayes 2006: their windows for an addition of 2 D (up to 0.25, 0.75 to 1.50, from 1.75 D) as shares of it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .layers import LensMap, MapLayer, Profile, ProfileLayer, Request
+from .optics.conventions import Floats
+from .optics.eye import Wearer
+from .optics.lens import Lens
+from .optics.ordered import refracted_as_ordered
+from .workbench import run
+
+Window = tuple[float, float]
+
+CLEAR = 0.5  # D
+WINDOWS = {
+    "distance": (-1 / 8, 1 / 8),
+    "intermediate": (3 / 8, 3 / 4),
+    "near": (7 / 8, np.inf),
+}  # shares of the addition
+SINGLE_VISION = (-0.25, 0.25)  # D, where there is no addition
+REACHED = 0.85  # share of the addition that counts as reached
+ANY_POWER = (-np.inf, np.inf)
+SAMPLES = 241
+_FINE, _ASIDE = 0.02, 6.0  # mm: steps across a row; how far from the meridian the clearest place of a row is sought
+
+
+@dataclass(frozen=True, slots=True)
+class Zones:
+    """Measures of a lens as worn, objects at infinity; None where the lens has no addition or no near reference point.
+
+    Widths (mm) at the height of the fitting point (distance), half-way down to the near reference point (intermediate) and
+    at the near reference point; areas (mm2) within the outline, seen along z. corridor_width: the narrowest clear width
+    between these points, mm, at the height corridor_y. reach_of_addition: from the fitting point down to where REACHED of
+    the addition is there, mm. most_astigmatism: greatest astigmatic error (D), at (x, y) mm.
+    """
+
+    distance_width: float
+    distance_area: float
+    most_astigmatism: float
+    most_astigmatism_at: tuple[float, float]
+    intermediate_width: float | None = None
+    intermediate_area: float | None = None
+    near_width: float | None = None
+    near_area: float | None = None
+    corridor_width: float | None = None
+    corridor_y: float | None = None
+    reach_of_addition: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Looked:
+    """Maps over x (nx,), y (ny,) mm: power gained against the distance reference point, astigmatic error (ny, nx), D."""
+
+    x: Floats
+    y: Floats
+    gained: Floats
+    error: Floats
+    profile: Profile
+
+    def area(self, window: Window) -> float:
+        """Area (mm2) of the clear places whose gained power lies in the window (D)."""
+        clear = (self.error <= CLEAR) & (self.gained >= window[0]) & (self.gained <= window[1])
+        return float(clear.sum() * np.diff(self.x).mean() * np.diff(self.y).mean())
+
+    def width(self, y: float, window: Window = ANY_POWER) -> float:
+        """Width (mm) at a height of the clear interval about the clearest place near the meridian; 0 where there is none."""
+        x = np.arange(self.x[0], self.x[-1], _FINE)
+        gained, error = (self._row(values, y, x) for values in (self.gained, self.error))
+        middle = np.interp(y, self.profile.y, self.profile.x)
+        start = int(np.argmin(np.where(np.abs(x - middle) <= _ASIDE, np.nan_to_num(error, nan=np.inf), np.inf)))
+        clear = (error <= CLEAR) & (gained >= window[0]) & (gained <= window[1])
+        if not clear[start]:
+            return 0.0
+        ends = np.flatnonzero(~clear)
+        left, right = ends[ends < start].max(initial=-1), ends[ends > start].min(initial=x.size)
+        return float((right - left - 1) * _FINE)
+
+    def _row(self, values: Floats, y: float, x: Floats) -> Floats:
+        """The values at a height, linear between the samples."""
+        k = int(np.clip(np.searchsorted(self.y, y), 1, self.y.size - 1))
+        share = (y - self.y[k - 1]) / (self.y[k] - self.y[k - 1])
+        return np.interp(x, self.x, (1 - share) * values[k - 1] + share * values[k])
+
+
+def zones(lens: Lens, wearer: Wearer) -> Zones:
+    """Measure the zones of a lens as this wearer wears it. Raises InputError when no ray passes."""
+    wearer = refracted_as_ordered(wearer, lens.ordered)
+    power, error = (_map(lens, wearer, quantity) for quantity in ("mean_power", "astigmatic_error"))
+    profile = run(Request(lens, wearer, ProfileLayer(samples=SAMPLES)))
+    fitting_y = lens.points.fitting_point[1]
+    far_y = (lens.points.distance_reference_point or lens.points.fitting_point)[1]
+    looked = _Looked(power.x, power.y, power.values - _power_at(profile, far_y), error.values, profile)
+    worst = np.unravel_index(np.nanargmax(error.values), error.values.shape)
+    most = float(error.values[worst]), (float(error.x[worst[1]]), float(error.y[worst[0]]))
+    addition, near = lens.ordered.addition if lens.ordered else 0.0, lens.points.near_reference_point
+    if not addition or near is None:
+        return Zones(looked.width(fitting_y, SINGLE_VISION), looked.area(SINGLE_VISION), *most)
+    far, between, close = ((addition * low, addition * high) for low, high in WINDOWS.values())
+    narrowest, where = min((looked.width(y), y) for y in np.linspace(near[1], fitting_y, 33))
+    return Zones(
+        looked.width(fitting_y, far),
+        looked.area(far),
+        *most,
+        intermediate_width=looked.width((fitting_y + near[1]) / 2, between),
+        intermediate_area=looked.area(between),
+        near_width=looked.width(near[1], close),
+        near_area=looked.area(close),
+        corridor_width=narrowest,
+        corridor_y=float(where),
+        reach_of_addition=_reach(profile, fitting_y, _power_at(profile, far_y) + REACHED * addition),
+    )
+
+
+def _map(lens: Lens, wearer: Wearer, quantity: str) -> LensMap:
+    answer: LensMap = run(Request(lens, wearer, MapLayer(quantity, samples=SAMPLES)))
+    return answer
+
+
+def _power_at(profile: Profile, y: float) -> float:
+    return float(np.interp(y, profile.y, profile.mean_power))
+
+
+def _reach(profile: Profile, fitting_y: float, wanted: float) -> float | None:
+    """How far below the fitting point (mm) the mean power along the meridian first reaches a power (D); None if never."""
+    below = profile.y <= fitting_y
+    down, power = fitting_y - profile.y[below][::-1], profile.mean_power[below][::-1]
+    there = np.flatnonzero(power >= wanted)
+    if not there.size:
+        return None
+    k = int(there[0])
+    return float(np.interp(wanted, power[k - 1 : k + 1], down[k - 1 : k + 1])) if k else 0.0
