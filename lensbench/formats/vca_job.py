@@ -48,26 +48,45 @@ UNDERSTOOD = {*RANGES, "DO", "JOB", "LDPATH", "LMATTYPE", "LNAM"}
 
 @dataclass(slots=True)
 class Job:
-    """A job file as understood: facts (label, text, value); the lens, where there is one, and the wearer by side."""
+    """A job file as understood: facts (label, text, value); by side the lens, the wearer, and what a lens is made of.
+
+    unplaced: sides whose surface file does not tell how it lies, and the sentence that says so.
+    """
 
     path: Path
     said: list[tuple[str, str, object]] = field(default_factory=list)
     lenses: dict[str, Lens] = field(default_factory=dict)
     wearers: dict[str, Wearer] = field(default_factory=dict)
+    parts: "dict[str, tuple[Eyeside, Order, list[Any]]]" = field(default_factory=dict)
+    unplaced: dict[str, str] = field(default_factory=dict)
 
     def facts(self) -> list[tuple[str, str, object]]:
         """Label, text and value of all that was understood."""
         return [("File", f"a VCA/OMA job: {self.path.name}", "job"), *self.said]
 
-    def lens(self, material: Material | None = None, side: str = "") -> Lens:
-        """The lens of a side ("": the first there is), of another material if one is given. Raises InputError."""
-        found = self.lenses.get(side) if side else next(iter(self.lenses.values()), None)
-        if found is None:
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """The sides that have a surface."""
+        return tuple(self.parts)
+
+    def lens(self, material: Material | None = None, side: str = "", told: Reading | None = None) -> Lens:
+        """The lens of a side ("": the first there is), of another material if one is given. Raises InputError.
+
+        told: how the points of the surface file lie, where that is to be said or is not to be found from them.
+        """
+        side = side or next(iter(self.parts), "")
+        if side not in self.parts:
             which = f"{NAMES[side]} lens" if side else "lens"
             raise InputError(
                 f"{self.path}: holds no {which}: its surface file (LDPATH, or an .sdf of the job's name) does not lie beside "
                 "it, or has no such side"
             )
+        if told is not None and (told.first_point or told.rows or told.z_towards or told.flip_z):
+            found = _lens(*self.parts[side], told)
+        elif side in self.unplaced:
+            raise InputError(self.unplaced[side])
+        else:
+            found = self.lenses[side]
         return found if material is None else replace(found, material=material)
 
     def wearer(self, side: str = "") -> Wearer:
@@ -76,6 +95,10 @@ class Job:
         if found is None:
             raise InputError(f"{self.path}: orders nothing for the {NAMES.get(side, side)} side")
         return found
+
+
+class Unplaced(InputError):
+    """A surface of which it cannot be told how it lies."""
 
 
 class Eyeside:
@@ -128,8 +151,14 @@ def read(path: Path) -> tuple[Job | Lens | Wearer, ...]:
         order = _order(eye)
         job.wearers[side] = _wearer(eye, order)
         held = _held(eye, _surface_file(records, side))
-        if held:
-            job.lenses[side] = _lens(eye, order, held)
+        if not held:
+            continue
+        job.parts[side] = eye, order, held
+        try:
+            job.lenses[side] = _lens(eye, order, held, Reading())
+        except Unplaced as error:
+            job.unplaced[side] = str(error)
+            eye.say("Lens", f"none: {error}")
     unused = sorted(set(records.by_label) - UNDERSTOOD)
     job.said.append(("Labels not used", ", ".join(unused) or "none", unused))
     return (job, *job.lenses.values(), *job.wearers.values())
@@ -179,11 +208,11 @@ def _wearer(eye: Eyeside, order: Order) -> Wearer:
 # ---- the lens ----
 
 
-def _lens(eye: Eyeside, order: Order, held: list[Any]) -> Lens:
+def _lens(eye: Eyeside, order: Order, held: list[Any], told: Reading) -> Lens:
     path = eye.records.path
     material, wavelength = _material(eye)
     index = material.index(wavelength)
-    front, back = _faces(eye, held, index)
+    front, back = _faces(eye, held, replace(told, index=index))
     thickness = eye["CTHICK"]
     if thickness is None:
         raise InputError(f"{path}: CTHICK ({NAMES[eye.side]}): the centre thickness is missing; a lens needs it")
@@ -218,12 +247,15 @@ def _held(eye: Eyeside, surface_file: Path | None) -> list[Any]:
     return held
 
 
-def _faces(eye: Eyeside, held: list[Any], index: float) -> tuple[Surface, Surface]:
+def _faces(eye: Eyeside, held: list[Any], told: Reading) -> tuple[Surface, Surface]:
     """Front and back: from the surface file, and a sphere of FRNT or BACK for the face that the file does not hold."""
     faces: dict[str, Surface] = {}
     for item in held:
         face = item.face or "B"
-        faces.setdefault(face, item.fitted(Reading(eye.side, face, index)).surface)
+        try:
+            faces.setdefault(face, item.fitted(replace(told, side=eye.side, face=face)).surface)
+        except InputError as error:
+            raise Unplaced(f"{eye.records.path}: {NAMES[eye.side]} lens: {error}") from None
         eye.say(f"{FACES[face].capitalize()} surface", faces[face].describe())
     for face, label in (("F", "FRNT"), ("B", "BACK")):
         if face not in faces:

@@ -10,7 +10,10 @@ from hypothesis import strategies as st
 import lensbench as lb
 from lensbench.errors import InputError
 from lensbench.formats import load_pair, read_file
+from lensbench.formats.registry import Contents
+from lensbench.formats.surface_data import Fitted, Reading
 from lensbench.formats.vca_records import Records
+from lensbench.optics import surfaces
 from lensbench.optics.mirror import mirrored
 
 ORDER = {
@@ -161,6 +164,28 @@ def test_an_order_alone_is_a_wearer_and_says_why_it_is_no_lens(tmp_path):
     with pytest.raises(InputError, match="does not lie beside"):
         lb.load_lens(path)
     assert any("1001.SDF" in text for _, text, _ in read_file(path).items[0].facts())
+
+
+class Undecided:
+    """A surface of which somebody has to say how it lies."""
+
+    source, side, face = "1001.sdf", "R", "B"
+
+    def fitted(self, reading):
+        if reading.first_point is None:
+            raise InputError("1001.sdf: say --orientation")
+        return Fitted(surfaces.sphere(120.0), ())
+
+
+def test_a_surface_that_does_not_tell_how_it_lies_asks_for_it(tmp_path, monkeypatch):
+    path = job(tmp_path, surface=surface_text("R"))
+    monkeypatch.setattr("lensbench.formats.vca_job.read_file", lambda _: Contents(path, None, (Undecided(),)))
+    found = read_file(path).items[0]
+    assert any("say --orientation" in text for _, text, _ in found.facts())
+    with pytest.raises(InputError, match=r"right lens: 1001\.sdf: say --orientation"):
+        found.lens()
+    assert found.lens(told=Reading(first_point="top-left")).back.describe() == "sphere, radius 120 mm"
+    assert found.wearer("R").wear.pupillary_distance == 31.5
 
 
 def test_a_material_can_be_put_in_its_place_and_a_side_chosen(tmp_path):
