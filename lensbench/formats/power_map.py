@@ -4,8 +4,6 @@ No maker's layout is published, so columns are known by their names: x, y (mm), 
 prism. A matrix has the quantity's name in its corner, x along the first row and y down the first column.
 """
 
-import csv
-import io
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -99,13 +97,12 @@ def read(path: Path) -> tuple[PowerMap]:
 
 def _table(text: str, most: int = MOST_CELLS) -> list[list[str]]:
     """The rows of a table whose separator is the first of ; tab , or blanks that its first line has; comments (#) empty."""
-    lines = [line if not line.lstrip().startswith(("#", "!")) else "" for line in text.split("\n")[:most]]
+    lines = [line if not line.lstrip().startswith(("#", "!")) else "" for line in text.splitlines()[:most]]
     first = next((line for line in lines if line.strip()), "")
     mark = next((m for m in (";", "\t", ",") if m in first), " ")
     if mark == " ":
         return [line.split() for line in lines]
-    rows = csv.reader(io.StringIO("\n".join(lines)), delimiter=mark, strict=False)
-    cells = [[cell.strip() for cell in row] for row in rows]
+    cells = [[cell.strip().strip('"') for cell in line.split(mark)] for line in lines]
     decimal = mark != ","
     return [[c.replace(",", ".") if decimal else c for c in row] if any(row) else [] for row in cells]
 
