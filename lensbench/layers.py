@@ -64,6 +64,18 @@ class RealRaysLayer:
 
 
 @dataclass(frozen=True, slots=True)
+class DistortionLayer:
+    """A flat chart of `lines` upright lines each way, straight ahead, `depth` mm before the back vertex (inf: far away), up
+    to half_angle (rad) from straight ahead at the centre of rotation; `fineness` points from line to line.
+    """
+
+    depth: float = np.inf
+    lines: int = 13
+    half_angle: float = float(np.radians(35.0))
+    fineness: int = 8
+
+
+@dataclass(frozen=True, slots=True)
 class EllipseLayer:
     """Ellipses of confusion on planes straight ahead, at depths (mm) from the back vertex, on an n x n gaze grid."""
 
@@ -144,6 +156,7 @@ Layer = (
     | PointsLayer
     | VerificationLayer
     | RealRaysLayer
+    | DistortionLayer
     | EllipseLayer
     | VoxelLayer
     | ViewLayer
@@ -262,6 +275,19 @@ class RealRays:
 
     checks: tuple[RealRaysCheck, ...]
     spots: tuple[Spot, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DistortionGrid(ReadOnlyArrays):
+    """A chart and its image. object, apparent (n, n, 2): tangents of the true and of the seen direction of its points, x
+    towards the wearer's left and y up, from the centre of rotation; rows run upwards. status (n, n). The lines of the
+    chart are every layer.fineness-th row and column.
+    """
+
+    layer: DistortionLayer
+    object: Floats
+    apparent: Floats
+    status: NDArray[np.int8]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -385,6 +411,7 @@ Result = (
     | tuple[PointReading, ...]
     | tuple[ToleranceLine, ...]
     | RealRays
+    | DistortionGrid
     | tuple[EllipseSheet, ...]
     | VoxelField
     | SeenScene

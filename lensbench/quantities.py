@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from .optics.bundle import Wavefront
+from .optics.chromatic import transverse_chromatic_aberration
 from .optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
+from .optics.distortion import anisotropy, area_magnification, rotation, skew, swim
 from .optics.field import Accommodation, GazeField
 from .optics.gaze import worn_pose
 from .optics.lens import Lens
@@ -47,7 +49,20 @@ QUANTITIES = {
         "Horizontal prism, + base to the wearer's left", "cm/m", lambda f, s, a: f.prism_components()[:, 0]
     ),
     "prism_vertical": Quantity("Vertical prism, + base up", "cm/m", lambda f, s, a: f.prism_components()[:, 1]),
-    "magnification": Quantity("Magnification", "x", lambda f, s, a: _area_magnification(f.magnification(s))),
+    "magnification": Quantity("Magnification", "x", lambda f, s, a: area_magnification(f.magnification(s))),
+    "magnification_anisotropy": Quantity(
+        "Greatest over least magnification, less 1", "%", lambda f, s, a: 100 * anisotropy(f.magnification(s))
+    ),
+    "skew": Quantity("Skew of a right angle", "deg", lambda f, s, a: np.degrees(skew(f.magnification(s)))),
+    "image_rotation": Quantity(
+        "Rotation of the image", "deg", lambda f, s, a: np.degrees(rotation(f.magnification(s)))
+    ),
+    "swim": Quantity("Swim", "%/deg", lambda f, s, a: np.radians(100 * swim(f, s))),
+    "transverse_chromatic": Quantity(
+        "Transverse chromatic aberration, blue to red line",
+        "cm/m",
+        lambda f, s, a: np.linalg.norm(transverse_chromatic_aberration(f, s), axis=1),
+    ),
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f), "along the lens's axis"),
     # by real rays through the whole pupil
     "defocus_by_real_rays": Quantity(
@@ -111,11 +126,6 @@ QUANTITIES = {
         "Back surface astigmatism", "D", lambda f, s, a: astigmatism(_surface_power(f, 0, 1)), _OF_SURFACES
     ),
 }
-
-
-def _area_magnification(m: Floats) -> Floats:
-    """Linear magnification of equal area: the root of the determinant."""
-    return np.sqrt(np.abs(m[..., 0, 0] * m[..., 1, 1] - m[..., 0, 1] * m[..., 1, 0]))
 
 
 def _wavefront(field: GazeField, distance: Any, rule: Accommodation) -> Wavefront:

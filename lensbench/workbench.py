@@ -18,6 +18,8 @@ from .layers import (
     DefocusLayer,
     DefocusView,
     Deviation,
+    DistortionGrid,
+    DistortionLayer,
     EllipseLayer,
     EllipseSheet,
     Layer,
@@ -37,6 +39,7 @@ from .layers import (
     VoxelLayer,
 )
 from .optics.conventions import Floats, Status, astigmatism, mean_power
+from .optics.distortion import seen_chart
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import Accommodation, GazeField, ellipse
 from .optics.gaze import (
@@ -128,7 +131,7 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     field = replace(field, wearer=request.wearer)
     distance = _object_distance(layer.distance, field, request)
     values = np.full(inside.size, np.nan)
-    values[inside] = quantity.values(field, distance, layer.accommodation)
+    values[inside] = np.where(field.status == Status.OK, quantity.values(field, distance, layer.accommodation), np.nan)
     status = np.full(inside.size, np.int8(Status.OUTSIDE_OUTLINE))
     status[inside] = field.status
     status[np.isnan(values) & (status == Status.OK)] = Status.BUNDLE_CUT
@@ -195,9 +198,7 @@ def meridian_profile(layer: ProfileLayer, request: Request) -> Profile:
     lens = _needed_lens(request)
     _, _, y0, y1 = lens.outline.box
     y = np.linspace(y0, y1, layer.samples)
-    marks = sorted((p[1], p[0]) for p in (lens.points.fitting_point, lens.points.near_reference_point) if p is not None)
-    mark_y, mark_x = np.array(marks).T
-    x = np.interp(y, mark_y, mark_x)
+    x = lens.meridian_x(y)
     field = look_through(lens, request.wearer, x, y)
     _some_ray_passes(field)
     ok = field.status == Status.OK
@@ -230,6 +231,18 @@ def real_ray_checks(layer: RealRaysLayer, request: Request) -> RealRays:
 def against_measured(layer: AgainstLayer, request: Request) -> Deviation:
     """Measured less designed power."""
     return deviation(_needed_lens(request), request.wearer, layer)
+
+
+@_answer.register
+def distortion_grid(layer: DistortionLayer, request: Request) -> DistortionGrid:
+    """A chart of upright lines as the turning eye sees it."""
+    per_line = layer.lines * layer.fineness - layer.fineness + 1
+    tangents = np.tan(layer.half_angle) * np.linspace(-1, 1, per_line)
+    at = np.stack(np.meshgrid(tangents, tangents), axis=-1)
+    chart = seen_chart(request.lens, request.wearer, at.reshape(-1, 2), layer.depth)
+    if not np.any(chart.status == Status.OK):
+        raise InputError("no ray from the chart passes the lens")
+    return DistortionGrid(layer, at, chart.apparent.reshape(at.shape), chart.status.reshape(at.shape[:2]))
 
 
 @_answer.register

@@ -27,6 +27,13 @@ def test_every_key_is_documented():
     assert {key for key in keys if not re.search(rf"\b{key}\b", text)} == set()
 
 
+def test_every_quantity_is_documented():
+    from lensbench.quantities import QUANTITIES
+
+    text = (ROOT / "docs" / "use.md").read_text(encoding="utf-8")
+    assert {name for name in QUANTITIES if f"`{name}`" not in text} == set()
+
+
 def test_every_link_leads_somewhere():
     for page in [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), ROOT / "sample_lenses" / "README.md"]:
         for link in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):

@@ -34,6 +34,7 @@ def add_verbs(verbs: Any) -> None:
     """Add this group's verbs."""
     _add_map(verbs)
     _add_against(verbs)
+    _add_distortion(verbs)
     _add_eoc(verbs)
     _add_voxels(verbs)
 
@@ -58,6 +59,18 @@ def _add_against(verbs: Any) -> None:
     verb.add_argument("--from-behind", action="store_true", help="the map's x runs as seen from the eye's side")
     verb.add_argument("--tolerance", type=float, default=0.12, metavar="D", help="dioptres (0.12)")
     output_option(verb, "against.png")
+
+
+def _add_distortion(verbs: Any) -> None:
+    verb = add_verb(
+        verbs, "distortion", write_distortion, "how the eye sees a chart of upright lines, as PNG, SVG or JSON"
+    )
+    lens_and_wearer(verb)
+    verb.add_argument(
+        "-d", "--depth", type=distance, default=math.inf, help="of the chart before the lens: 40cm or inf (inf)"
+    )
+    verb.add_argument("-n", type=count, default=13, help="lines each way (13)")
+    output_option(verb, "distortion.png")
 
 
 def _add_eoc(verbs: Any) -> None:
@@ -127,6 +140,24 @@ def write_against(args: argparse.Namespace) -> None:
     found = run(Request(lens, wearer, layer))
     numbers = deviation_numbers(found, args.tolerance)
     deliver(args, kind, numbers, partial(deviation_csv, found), partial(deviation_figure, lens, found, args.tolerance))
+
+
+def write_distortion(args: argparse.Namespace) -> None:
+    """lensbench distortion LENS."""
+    from ..layers import DistortionLayer, Request
+    from ..report.tables import distance_text, distortion_numbers
+    from ..workbench import run
+
+    kind = kind_of(args.output, ".png", ".svg", ".json")
+    lens, wearer = load_case(args)
+    grid = run(Request(lens, wearer, DistortionLayer(args.depth, args.n)))
+
+    def picture() -> Any:
+        from ..views.distortion import distortion_figure
+
+        return distortion_figure(lens, grid, distance_text(args.depth).replace("objects", "chart"))
+
+    deliver(args, kind, distortion_numbers(grid), str, picture)
 
 
 def write_ellipses(args: argparse.Namespace) -> None:

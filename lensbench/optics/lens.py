@@ -193,6 +193,12 @@ class Lens:
         y = self.outline.centre[1] + r * np.sin(angle)[:, None]
         return x, y, area
 
+    def meridian_x(self, y: ArrayLike) -> Floats:
+        """x (mm) of the main meridian at heights y (mm): through fitting and near reference point, upright beyond them."""
+        points = self.points
+        marks = sorted((p[1], p[0]) for p in (points.fitting_point, points.near_reference_point) if p is not None)
+        return np.interp(np.asarray(y, dtype=float), *np.transpose(marks))
+
     def weight(self) -> float:
         """Mass in g: density times the integral of the thickness over the outline."""
         x, y, area = self.disc_points()

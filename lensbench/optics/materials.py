@@ -3,6 +3,10 @@
 import re
 from dataclasses import dataclass
 
+REFERENCE_LINES = {"d": 587.56, "e": 546.07}  # nm, ISO 7944
+# nm: F and C to the d line, F' and C' to the e line
+DISPERSION_LINES = {"d": {"blue": 486.13, "red": 656.27}, "e": {"blue": 479.99, "red": 643.85}}
+
 
 @dataclass(frozen=True, slots=True)
 class Material:
@@ -17,6 +21,13 @@ class Material:
     def index(self, wavelength: str) -> float:
         """Refractive index at the reference wavelength "d" or "e"."""
         return self.n_d if wavelength == "d" else self.n_e
+
+    def index_at(self, nanometres: float, reference: str = "d") -> float:
+        """Refractive index at a wavelength (nm): the index of the reference line, carried on by Cauchy's dispersion
+        B / lambda^2 whose B gives the Abbe number V_d between the lines F and C."""
+        blue, red, line = DISPERSION_LINES["d"]["blue"], DISPERSION_LINES["d"]["red"], REFERENCE_LINES[reference]
+        b = (self.n_d - 1) / self.abbe / (blue**-2 - red**-2)
+        return self.index(reference) + b * (nanometres**-2 - line**-2)
 
 
 # Makers' leaflets (Mitsui MR series) and Jalie, Ophthalmic Lenses and Dispensing; index and density vary by maker.

@@ -10,6 +10,8 @@ import numpy as np
 
 from .. import __version__
 from ..layers import (
+    DistortionGrid,
+    DistortionLayer,
     EllipseLayer,
     EllipseSheet,
     LensMap,
@@ -35,12 +37,15 @@ from ..workbench import look, run
 from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
 from .html import Picture, picture_of, render
 from .progress import Progress
-from .tables import BLURRED, distance_text, map_numbers, real_rays_rows
+from .tables import BLURRED, distance_text, distortion_numbers, map_numbers, real_rays_rows
 
 DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
 PASSES, PINHOLE_PASSES = 32, 8
-MAPS = ("mean_error", "astigmatic_error", "prism", "thickness")
+MAPS = (
+    "mean_error", "astigmatic_error", "prism", "thickness",
+    "magnification", "magnification_anisotropy", "swim", "transverse_chromatic",
+)  # fmt: skip
 MODES = tuple(
     tuple(f"{mode}{name}" for mode in ("", "lensmeter_", "surface_")) for name in ("mean_power", "astigmatism")
 )
@@ -71,6 +76,7 @@ class Findings:
     ellipses: tuple[EllipseSheet, ...]
     looks: dict[str, tuple[float, float]]
     real_rays: RealRays
+    distortion: DistortionGrid
 
 
 def build_report(
@@ -123,12 +129,14 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
         ask(EllipseLayer()),
         {name: look(name, lens, wearer, scene) for name in scene.looks},
         ask(RealRaysLayer((*distances, "scene"))),
+        ask(DistortionLayer()),
     )
 
 
 def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
     """Maps, profile and sections as flat figures."""
     from ..views.bands import shared_limits
+    from ..views.distortion import distortion_figure
     from ..views.maps import map_figure, profile_figure, section_figure
 
     scale = {name: shared_limits([findings.maps[n] for n in modes]) for modes in MODES for name in modes}
@@ -144,6 +152,8 @@ def flat_pictures(lens: Lens, findings: Findings) -> dict[str, Picture]:
         profile_figure(lens, findings.profile, "through the fitting and near reference points, objects at infinity"),
     )
     pictures["section"] = picture_of("section", "Vertical and horizontal section", section_figure(lens))
+    seen = distortion_figure(lens, findings.distortion, "chart straight ahead, far away")
+    pictures["distortion"] = picture_of("distortion", "Distortion of a chart of upright lines", seen)
     return pictures | _real_rays_pictures(lens, findings.real_rays)
 
 
@@ -233,6 +243,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
             {k: v for k, v in asdict(sheet).items() if k != "spokes"} | {"exaggeration": fitting_exaggeration(sheet)}
             for sheet in findings.ellipses
         ],
+        "distortion": distortion_numbers(findings.distortion),
         "first_order_against_real_rays": real_rays_rows(findings.real_rays),
         "views": {
             name: dict(zip(("azimuth", "elevation"), np.degrees(gaze), strict=True))

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from ..layers import Deviation, EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
+from ..layers import Deviation, DistortionGrid, EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
 from ..optics.conventions import Status
+from ..pair import ConvergencePath
 
 
 def distance_text(distance: float | str) -> str:
@@ -98,6 +99,37 @@ def _real_rays_row(check: RealRaysCheck) -> dict[str, Any]:
         for word, share in (("median", 50), ("p90", 90))
     }
     return {"objects": distance_text(check.distance), "gazes": blur.size, "blurred": int(blurred.sum()), **middle}
+
+
+def distortion_numbers(grid: DistortionGrid) -> dict[str, Any]:
+    """The crossings of a chart's lines: tangents of their true and of their seen directions, and status; ready for JSON."""
+    at = slice(None, None, grid.layer.fineness)
+    return {
+        "depth": grid.layer.depth,
+        "object": grid.object[at, at],
+        "apparent": grid.apparent[at, at],
+        "status": grid.status[at, at],
+    }
+
+
+def path_csv(path: ConvergencePath) -> str:
+    """The convergence path, one line a lowering of the gaze."""
+    columns = {
+        "lowering_deg": path.lowering,
+        "distance_mm": path.distance,
+        **{
+            f"{side}_{name}_mm": getattr(getattr(path, side), name)
+            for side in ("right", "left")
+            for name in ("x", "y", "off_meridian")
+        },
+        "vertical_imbalance_cm/m": path.vertical_imbalance,
+        "induced_vergence_cm/m": path.induced_vergence,
+    }
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([f"{value:.6g}" for value in row] for row in zip(*columns.values(), strict=True))
+    return out.getvalue()
 
 
 def ellipse_rows(sheets: tuple[EllipseSheet, ...]) -> list[dict[str, Any]]:

@@ -54,7 +54,11 @@ def map_figure(
         centre = lens.outline.centre
         axes.text(*centre, f"no ray passes: there is no {lens_map.label.lower()} to show", ha="center", color=INK)
     axes.add_patch(Polygon(np.transpose(lens.outline.points()), fill=False, edgecolor=INK, linewidth=1.4, zorder=4))
-    _draw_marks(axes, lens)
+    draw_marks(axes, lens)
+    bottom = 0.34 / figure.get_size_inches()[1]
+    figure.legend(
+        loc="lower center", bbox_to_anchor=(0.5, bottom), ncols=4, fontsize=8, frameon=False, handletextpad=0.3
+    )
     return figure
 
 
@@ -157,18 +161,14 @@ MARKS = {
 }
 
 
-def _draw_marks(axes: Axes, lens: Lens) -> None:
+def draw_marks(axes: Axes, lens: Lens) -> None:
+    """Reference points of a lens, named for a legend."""
     halo = [withStroke(linewidth=3.0, foreground="white")]
     for name, (x, y) in lens.points.named().items():
         label, marker, size = MARKS[name]
         fill = INK if marker == "." else "none"
         style = {"markersize": size, "markeredgewidth": 1.5, "markeredgecolor": INK, "markerfacecolor": fill}
         axes.plot(x, y, marker, label=label, path_effects=halo, zorder=5, **style)
-    figure = axes.figure
-    bottom = 0.34 / figure.get_size_inches()[1]
-    figure.legend(
-        loc="lower center", bbox_to_anchor=(0.5, bottom), ncols=4, fontsize=8, frameon=False, handletextpad=0.3
-    )
 
 
 def colour_bar(axes: Axes, bands: Bands, unit: str) -> None:
