@@ -1,13 +1,18 @@
-# make report: a full lens report in reports/ · make test: everything that must hold · make bench: measured speed
+# make report: a full lens report in reports/ · make gallery: designs side by side · make test: everything that must hold · make bench: measured speed
 PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libopengl0
 
-.PHONY: report test bench check graphics clean
+.PHONY: report gallery test bench check graphics clean
 
 report: $(VENV)/.report graphics
 	$(BIN)/lensbench report sample_lenses/regular_R.toml --wearer sample_lenses/presbyope_60.toml -o reports/regular_R
+
+DESIGNS := $(patsubst %,sample_lenses/%_R.toml,regular wide_near wide_far occupational)
+gallery: $(VENV)/.report graphics
+	$(BIN)/lensbench gallery $(DESIGNS) -o reports/gallery --small docs/gallery.png
+	$(BIN)/lensbench scenes -o docs/scenes.png
 
 test: check
 	$(BIN)/python -m pytest -n auto

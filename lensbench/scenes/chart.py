@@ -13,12 +13,11 @@ from .build import Panel, Thing, build_scene
 from .drawing import GREY, INK, RED, WHITE, Pixels, Sheet, cloth, wood
 from .furniture import DARK, facing, lying, standing, table
 from .light import Lamp, Lights
-from .scene import Look, Scene
+from .scene import CORNEA, Look, Scene
 from .solids import box, join, tube
 
 FLOOR, CEILING, TABLE, WALL, SIDE, NEAREST = -1200.0, 1500.0, -560.0, 6100.0, 2000.0, 600.0
 CHARTS = {"6 m": (6000.0, 0.0), "1 m": (1000.0, -11.5), "60 cm": (600.0, -22.0), "40 cm": (400.0, -33.0)}
-CORNEA = np.array([0.0, 0.0, -13.0])  # mm, at the usual vertex distance
 ROWS = (
     "NCKZO",
     "RHSDK",

@@ -46,7 +46,7 @@ def cockpit() -> Scene:
         "mirror": Look((-330.0, 205.0, 480.0), "mirror"),
     }
     lights = Lights(0.72, 900.0, (), ((0.35, 0.75, -0.45), 0.6))
-    about = "a driver's seat: instruments at 67 cm, navigation at 78 cm, signs at 45 m, a car at 24 m, the road to the horizon"
+    about = "a driver's seat: instruments at 68 cm, navigation at 79 cm, signs at 45 m, a car at 24 m, the road to the horizon"
     return build_scene(
         "cockpit", about, pieces, lights, looks, sky=sky_part(summer_sky(), (-75, 75), (-6, 55)), background=BLACK
     )

@@ -1,4 +1,4 @@
-"""A desk at a window: a sheet at 42 cm, a phone at 40 cm, a keyboard at 64 cm, a monitor at 72 cm, houses at 30 m."""
+"""A desk at a window: a letter at 43 cm, a phone at 41 cm, a keyboard at 66 cm, a monitor at 73 cm, houses at 30 m."""
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def desk() -> Scene:
         ),
         ((0.4, 0.8, -0.5), 0.45),
     )
-    about = "a desk at a window: sheet at 42 cm, phone at 40 cm, keyboard, monitor at 72 cm, houses at 30 m"
+    about = "a desk at a window: letter at 43 cm, phone at 41 cm, keyboard, monitor at 73 cm, houses at 30 m"
     return build_scene("desk", about, pieces, lights, looks, sky=sky_part(summer_sky(), (-45, 45), (-10, 50)))
 
 

@@ -9,15 +9,14 @@ from .tessellate import edge_angles
 
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
-    """Name, looks (distance mm; elevation, azimuth towards the wearer's left, degrees), triangles, widest edge (degrees).
-
-    From the frame's origin, on the face's midline. The widest edge is that of what stands before the eye.
+    """Name, looks (distance from the cornea mm; elevation, azimuth towards the wearer's left, degrees), triangles, widest
+    edge (degrees) of what stands before the eye. Angles are those from the frame's origin, on the face's midline.
     """
     looks = {}
     for name, look in scene.looks.items():
         x, y, z = look.target
         looks[name] = {
-            "distance": float(np.linalg.norm(look.target)),
+            "distance": look.distance,
             "elevation": float(np.degrees(np.arctan2(y, np.hypot(x, z)))),
             "azimuth": float(np.degrees(np.arctan2(x, z))),
         }

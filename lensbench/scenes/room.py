@@ -136,7 +136,7 @@ def room() -> Scene:
         "intermediate": Look((0.0, -137.2, 747.5), "screen"),
         "near": Look((0.0, -190.0, 342.9), "page"),
     }
-    about = "a meeting room: page at 40 cm, monitor at 76 cm, slide at 6 m"
+    about = "a meeting room: page at 40 cm, monitor at 77 cm, slide at 6 m"
     return build_scene("room", about, pieces, Lights(0.52, 900.0, (*lamps, daylight)), looks)
 
 

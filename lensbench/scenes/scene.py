@@ -28,11 +28,19 @@ class Part(ReadOnlyArrays):
     image: NDArray[np.uint8]
 
 
+CORNEA = np.array([0.0, 0.0, -13.0])  # mm, wear frame: where the corneas stand at the usual vertex distance
+
+
 class Look(NamedTuple):
     """Something to look at: its place (x, y, z) in mm, wear frame, and the part that is met there."""
 
     target: tuple[float, float, float]
     part: str
+
+    @property
+    def distance(self) -> float:
+        """Distance from the cornea, mm."""
+        return float(np.linalg.norm(np.array(self.target) - CORNEA))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -249,6 +249,6 @@ def test_an_environment_must_be_twice_as_wide_as_high(tmp_path):
 def test_the_command_line_lists_a_scenes_looks(tmp_path, capsys):
     assert main(["scenes", "--scene", str(scene_file(tmp_path, "[looks]\nmiddle = [1, 1.5, 0]\n")), "--json"]) == 0
     (fact,) = json.loads(capsys.readouterr().out)
-    assert fact["looks"]["middle"]["distance"] == pytest.approx(4000)
+    assert fact["looks"]["middle"]["distance"] == pytest.approx(4013)  # from the cornea
     assert main(["scenes", "--scene", "stairs"]) == 0
     assert "third step" in capsys.readouterr().out

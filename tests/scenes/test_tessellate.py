@@ -79,9 +79,9 @@ def test_what_is_behind_is_left_alone_and_what_is_too_much_is_refused():
         tessellated(Mesh(behind.points * [1, 1, -1], behind.triangles, behind.values), "wall", most=100)
 
 
-@pytest.mark.parametrize(("name", "most"), [("regular_R", 0.6), ("occupational_R", 0.6), ("wide_near_R", 0.6)])
-def test_the_middle_of_every_edge_is_drawn_where_it_is_seen(name, most):
-    """The stated bound: at 2 degrees, mid-edge error below 0.6 arcmin (0.25 px of a 1280 pixel wide picture of 50 degrees)."""
+@pytest.mark.parametrize("name", ["regular_R", "wide_far_R", "sphere_plus_4_R"])
+def test_the_middle_of_every_edge_is_drawn_where_it_is_seen(name):
+    """The stated bound: 0.33 arcmin at 2 degrees; 1280 pixels over 50 degrees are 2.5 arcmin wide in the middle."""
     lens = lb.load_lens(f"sample_lenses/{name}.toml")
     wearer = lb.load_wearer("sample_lenses/presbyope_60.toml")
     errors = []
@@ -101,4 +101,4 @@ def test_the_middle_of_every_edge_is_drawn_where_it_is_seen(name, most):
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         errors.append(np.abs(np.einsum("nj,nj->n", seen.directions, across)))
     error = np.degrees(np.concatenate(errors)) * 60
-    assert np.nanmax(error) < most
+    assert np.nanmax(error) < 0.335
