@@ -89,7 +89,7 @@ def small_png(picture: Pixels, widest: int = 1200, most: int = 400_000) -> bytes
         scale = min(1.0, widest / image.width)
         small = image.resize((round(image.width * scale), round(image.height * scale)), Image.Resampling.LANCZOS)
         buffer = BytesIO()
-        small.quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=3).save(buffer, format="png", optimize=True)
+        small.quantize(256, Image.Quantize.MEDIANCUT, kmeans=3).save(buffer, format="png", optimize=True)
         if buffer.tell() < most:
             return buffer.getvalue()
         widest = round(0.9 * small.width)

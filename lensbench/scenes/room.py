@@ -1,4 +1,4 @@
-"""A meeting room: a page at 40 cm, a monitor at 76 cm on a long table, a slide on the wall at 6 m."""
+"""A meeting room: a page at 40 cm, a monitor at 77 cm on a long table, a slide on the wall at 6 m."""
 
 import numpy as np
 
