@@ -57,7 +57,7 @@ def load_pair(path: str | Path, side: str = "", material: str = "") -> tuple[tup
         raise InputError(
             f'{path}: holds one surface ({held}); name it in a lens file: [front] type = "grid", file = "{Path(path).name}"'
         )
-    raise InputError(f"{path}: holds a wearer, not a lens")
+    raise InputError(f"{path}: holds a {type(items[0]).__name__.lower()}, not a lens")
 
 
 def load_wearer(path: str | Path, side: str = "") -> Wearer:

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ..errors import InputError
 from ..scenes.build import build_scene
@@ -15,7 +15,6 @@ from ..scenes.scene import Look, Scene
 from ..scenes.sky import read_environment, sky_part
 from .toml_file import Table, read_toml, validated
 
-SCENE_FORMAT = "lensbench-scene/1"
 Triple = Annotated[tuple[float, float, float], Field(strict=False)]
 Code = Annotated[int, Field(ge=0, le=255)]
 
@@ -29,11 +28,14 @@ class EnvironmentTable(Table):
 
 
 class SceneTable(Table):
-    """The whole file. meshes: files beside it, in `unit`; eye, ahead, up, looks: in the meshes' coordinates."""
+    """The whole file. meshes: files beside it, in `unit`; eye, ahead, up, looks: in the meshes' coordinates.
+
+    Without meshes there is only the environment.
+    """
 
     format: Literal["lensbench-scene/1"]
     name: str = ""
-    meshes: list[str] = Field(min_length=1)
+    meshes: list[str] = Field(default_factory=list)
     unit: Literal["mm", "cm", "m", "in", "ft"]
     eye: Triple
     ahead: Triple
@@ -41,6 +43,12 @@ class SceneTable(Table):
     background: Annotated[tuple[Code, Code, Code], Field(strict=False)] = (200, 208, 216)
     environment: EnvironmentTable | None = None
     looks: dict[str, Triple] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _something_to_see(self) -> "SceneTable":
+        if not self.meshes and self.environment is None:
+            raise ValueError("give meshes, or an environment")
+        return self
 
 
 def find_scene(name: str, unit: str | None = None, **place: tuple[float, float, float] | None) -> Scene:
@@ -55,7 +63,7 @@ def find_scene(name: str, unit: str | None = None, **place: tuple[float, float, 
     if path.suffix.lower() == ".toml":
         if given or unit:
             raise InputError(f"{path}: a scene file says its unit and the wearer's place itself")
-        return read_scene_file(path)
+        return scene_of_tables(path, read_toml(path))
     if unit is None and path.suffix.lower() in (".glb", ".gltf"):
         unit = "m"
     if unit is None or not {"eye", "ahead"} <= given.keys():
@@ -67,9 +75,9 @@ def find_scene(name: str, unit: str | None = None, **place: tuple[float, float, 
     return _scene(path.stem, read_meshes(path, placing), {}, path)
 
 
-def read_scene_file(path: Path) -> Scene:
-    """The scene of a scene file. Raises InputError."""
-    table = validated(path, read_toml(path), SceneTable)
+def scene_of_tables(path: Path, data: dict[str, Any]) -> Scene:
+    """The scene of a scene file's tables. Raises InputError."""
+    table = validated(path, data, SceneTable)
     placing = Placing(table.unit, table.eye, table.ahead, table.up)
     pieces: list[Any] = []
     for k, name in enumerate(table.meshes):
@@ -104,8 +112,7 @@ def _scene(
     lights = Lights(0.75, 500.0, (), ((0.4, 0.8, -0.6), 0.5))
     named = {key: Look(target, "") for key, target in targets.items()}
     scene = build_scene(name, f"from {path.name}", pieces, lights, named, **more)
-    points = np.concatenate([part.points for part in scene.parts])
-    if not (points[:, 2] > 0).any():
+    if scene.parts and not any((part.points[:, 2] > 0).any() for part in scene.parts):
         raise InputError(f"{path}: nothing of it stands before the eye: look again at eye, ahead and unit")
     behind = [key for key, target in targets.items() if not target[2] > 0]
     if behind:

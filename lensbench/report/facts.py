@@ -1,4 +1,4 @@
-"""What there is to say in words about a lens and a wearer: labels, values and units, for `check` and for the report."""
+"""What there is to say in words about lenses, wearers and scenes: labels, values and units, for `check` and for the report."""
 
 from typing import Any, NamedTuple
 
@@ -9,6 +9,8 @@ from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinde
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..optics.lensmeter import surface_power
+from ..scenes.facts import scene_facts
+from ..scenes.scene import Scene
 
 
 class Fact(NamedTuple):
@@ -46,11 +48,26 @@ def file_facts(found: Any) -> list[Fact]:
         return [Fact("File", "a lens", "lens"), *lens_facts(found)]
     if isinstance(found, Wearer):
         return [Fact("File", "a wearer", "wearer"), *wearer_facts(found)]
+    if isinstance(found, Scene):
+        return [Fact("File", "a scene", "scene"), *_scene_facts(found)]
     if hasattr(found, "facts"):
         return [Fact(*fact) for fact in found.facts()]
     what = f"a surface: side {found.side or '?'}, face {found.face or '?'}"
     fitted = found.fitted(Reading(found.side, found.face))
     return [Fact("File", what, "surface"), *(Fact(*fact) for fact in fitted.facts)]
+
+
+def _scene_facts(scene: Scene) -> list[Fact]:
+    """The scene: size of its mesh, and its looks with distances from the cornea (mm) and directions (degrees)."""
+    found = scene_facts(scene)
+    facts = [
+        Fact("Name", found["name"], found["name"]),
+        Fact("Triangles", f"{found['triangles']}, edges up to {found['widest_edge']:.1f} degrees", found["triangles"]),
+    ]
+    for name, k in found["looks"].items():
+        text = f"{k['distance']:.0f} mm away, elevation {k['elevation']:+.1f}, azimuth {k['azimuth']:+.1f} degrees"
+        facts.append(Fact(f"Look {name}", text, k))
+    return facts
 
 
 def lens_facts(lens: Lens) -> list[Fact]:

@@ -196,6 +196,18 @@ def test_a_scene_file_with_looks_background_and_environment(tmp_path):
     assert sky_colour(scene, [0, 0.2, 1])[0] == 255  # the upper half is brighter, and cut off at 1
 
 
+def test_an_environment_can_stand_alone_and_a_file_is_checked(tmp_path, capsys):
+    lat_long(tmp_path / "sky.exr")
+    path = scene_file(tmp_path, '[environment]\nfile = "sky.exr"\n', "[]")
+    scene = find_scene(str(path))
+    assert scene.drawn == (scene.sky,)
+    assert np.isinf(first_hit(scene, [[0, 0, 0]], [[0, 0, 1.0]])).all()
+    assert main(["check", str(scene_file(tmp_path, "[looks]\nmiddle = [1, 1.5, 0]\n"))]) == 0
+    assert "4013 mm away, elevation +0.0" in capsys.readouterr().out
+    assert main(["map", str(path)]) == 2
+    assert "holds a scene, not a lens" in capsys.readouterr().err
+
+
 def test_the_environments_heading_turns_the_head_to_the_right(tmp_path):
     lat_long(tmp_path / "sky.exr")
     scene = find_scene(str(scene_file(tmp_path, '[environment]\nfile = "sky.exr"\nheading = 90.0\n')))
@@ -205,7 +217,7 @@ def test_the_environments_heading_turns_the_head_to_the_right(tmp_path):
 @pytest.mark.parametrize(
     ("extra", "meshes", "said"),
     [
-        ("", "[]", "meshes: "),
+        ("", "[]", "give meshes, or an environment"),
         ("", '["../board.glb"]', r"meshes\[0\]: '../board.glb' must lie in the scene file's folder"),
         ("", '["/etc/passwd.stl"]', "must lie in the scene file's folder"),
         ("", '["gone.glb"]', "gone.glb: no such file"),
