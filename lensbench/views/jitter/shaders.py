@@ -86,7 +86,7 @@ vec3 jitSeen(vec3 X) {
   mat2 turn = mat2(1.0);
   vec4 ray, byU, byV;
   jitCell cell;
-  for (int step = 0; step < 3; ++step) {
+  for (int step = 0; step < 2; ++step) {
     cell = jitFind(uv);
     ray = jitRay(cell, byU, byV);
     mat2 change = mat2(byU.xy / depth + byU.zw, byV.xy / depth + byV.zw);
@@ -139,9 +139,8 @@ bool jitElsewhere() { return gl_FragCoord.x - jitZone.z < jitZone.y; }
 ZONE = """
 uniform sampler2D jitEdge;   // tangent of the angle from the edge's axis, by the angle about it
 uniform mat3 jitFromPixel;   // pixel to direction about the edge's axis
-uniform vec4 jitZone;        // x: 1 inside, -1 outside, 0 everywhere; y: split, pixels; zw: shift, pixels
+uniform vec4 jitZone;        // x: 1 inside, -1 outside; y: split, pixels; zw: shift, pixels
 bool jitElsewhere() {
-  if (jitZone.x == 0.0) return false;
   vec3 w = jitFromPixel * vec3(gl_FragCoord.xy - jitZone.zw, 1.0);
   float steps = float(textureSize(jitEdge, 0).x);
   float place = fract(atan(w.y, w.x) / 6.283185307179586 + 1.0) * steps;

@@ -61,21 +61,29 @@ class Zone:
         self.kind, self.side = kind, side
         self.field, self.edge = CardTable(window), CardTable(window)
         self.actors: list[Any] = []
-        self.bounds = (0.0, -1.0)
+        self.bounded, self.split = False, -1.0
         self.shader = vtkShaderProperty()
         self.uniforms = self.shader.GetVertexCustomUniforms()
-        declare, place, zone = shaders.KINDS[kind]
+        declare, place, _ = shaders.KINDS[kind]
         for tag, code in (
             ("//VTK::CustomUniforms::Dec", declare),
             ("//VTK::Camera::Dec", shaders.CAMERA),
             ("//VTK::PositionVC::Impl", "//VTK::PositionVC::Impl\n" + place),
         ):
             self.shader.AddVertexShaderReplacement(tag, True, code, False)
-        for tag, code in (
-            ("//VTK::CustomUniforms::Dec", zone),
-            ("//VTK::Color::Impl", shaders.ZONE_COLOUR + "//VTK::Color::Impl\n"),
-        ):
-            self.shader.AddFragmentShaderReplacement(tag, True, code, False)
+
+    def _bound(self, bounded: bool) -> None:
+        """Whether fragments are tested for the zone: the test costs a third of a pass, even where it always holds."""
+        if bounded == self.bounded:
+            return
+        self.bounded = bounded
+        self.shader.ClearAllFragmentShaderReplacements()
+        if bounded:
+            for tag, code in (
+                ("//VTK::CustomUniforms::Dec", shaders.KINDS[self.kind][2]),
+                ("//VTK::Color::Impl", shaders.ZONE_COLOUR + "//VTK::Color::Impl\n"),
+            ):
+                self.shader.AddFragmentShaderReplacement(tag, True, code, False)
 
     def take(self, actor: Any) -> Any:
         """Draw an actor, whose mapper must be no other zone's, in this zone. Returns the actor."""
@@ -108,7 +116,8 @@ class Zone:
         set_ = self.uniforms
         set_.SetUniformMatrix3x3("jitToHead", found.to_head.T.ravel().tolist())
         set_.SetUniformMatrix4x4("jitToDevice", found.to_device.T.ravel().tolist())
-        self.bounds = float(self.side if edge is not None else 0), split
+        self._bound(edge is not None)
+        self.split = split
         if edge is not None and self.kind != "rim":
             self.edge.load(edge.radius, (1, edge.radius.size, 1))
             set_.SetUniformMatrix3x3("jitFromPixel", (edge.frame @ found.from_pixel).T.ravel().tolist())
@@ -117,7 +126,7 @@ class Zone:
         """The pupil's point, and the shift in device coordinates and in pixels."""
         self.uniforms.SetUniform2f("jitPoint", point.tolist())
         self.uniforms.SetUniform2f("jitShift", shift.tolist())
-        self.uniforms.SetUniform4f("jitZone", [*self.bounds, *pixels.tolist()])
+        self.uniforms.SetUniform4f("jitZone", [float(self.side), self.split, *pixels.tolist()])
 
     def bind(self) -> None:
         """Hold the textures in their units for the rendering that starts."""
