@@ -155,6 +155,8 @@ def defocus_view(seen: SeenScene) -> DefocusView:
     gaze = pixel_directions(seen.layer).reshape(-1, 3) @ seen.frame @ seen.head
     values = np.full(width * height, np.nan)
     inside = np.ones(len(gaze), dtype=bool) if seen.edge is None else seen.edge.within(gaze)
+    if seen.layer.split:
+        inside &= np.arange(len(gaze)) % width >= width / 2
     if inside.any():
         field = trace(seen.lens, seen.wearer, gaze[inside])
         start = (field.origin - seen.eye) @ seen.head.T + seen.eye

@@ -89,6 +89,14 @@ def test_doctor_names_versions_and_threads(capsys):
         ["check", "."],
         ["eoc", REGULAR, "-o", "eoc"],
         ["view", REGULAR, "--fov", "500"],
+        ["view", REGULAR, "--exposure", "99"],
+        ["view", REGULAR, "--seed", "-1"],
+        ["view", REGULAR, "--eye", "naked", "--split"],
+        ["view", REGULAR, "--eye", "perfect", "--defocus", "veil"],
+        ["view", REGULAR, "-o", "view.jpg"],
+        ["sweep", REGULAR, "-o", "sweep.avi"],
+        ["sweep", REGULAR, "--rate", "0"],
+        ["sweep", REGULAR, "-o", "a.png", "--sheet", "a.png"],
         ["map", REGULAR, "-w", REGULAR, "--json"],
     ],
 )
@@ -139,18 +147,63 @@ def test_report_asks_for_what_was_said(monkeypatch, capsys, options, folder, dis
 
 
 def test_view_asks_for_what_was_said(monkeypatch, tmp_path):
-    seen = []
+    asked = []
 
-    def draw(scene, passes):
-        seen.append((scene.layer, passes))
+    def draw(studio, seen, *rest):
+        asked.append((seen.layer, *rest))
         return np.zeros((4, 4, 3), np.uint8)
 
-    monkeypatch.setattr("lensbench.views.jitter.render_view", draw)
-    options = ["--gaze", "10", "-20", "--eye", "pinhole", "--fov", "30", "--size", "64", "48", "--passes", "5"]
-    assert main(["view", REGULAR, *options, "--accommodation", "0.25", "-o", str(tmp_path / "v.png")]) == 0
-    layer, passes = seen[0]
-    assert (layer.eye, layer.size, layer.accommodation, passes) == ("pinhole", (64, 48), 0.25, 5)
-    assert np.degrees([layer.azimuth, layer.elevation, layer.half_width]) == pytest.approx([10, -20, 15])
+    monkeypatch.setattr("lensbench.views.jitter.Studio.picture", draw)
+    options = [
+        "--gaze",
+        "10",
+        "-20",
+        "--eye",
+        "pinhole",
+        "--fov",
+        "30",
+        "--size",
+        "64",
+        "48",
+        "--passes",
+        "5",
+        "--split",
+    ]
+    more = ["--head", "-5", "3", "--seed", "7", "--exposure", "-1", "--accommodation", "0.25"]
+    assert main(["view", REGULAR, *options, *more, "-o", str(tmp_path / "v.png")]) == 0
+    layer, *rest = asked[0]
+    assert (layer.eye, layer.size, layer.accommodation, layer.split) == ("pinhole", (64, 48), 0.25, True)
+    assert rest == [5, 7, 0.5]
+    angles = [layer.azimuth, layer.elevation, layer.half_width, layer.head_turn, layer.head_tilt]
+    assert np.degrees(angles) == pytest.approx([10, -20, 15, -5, 3])
+
+
+SMALL = ["--size", "64", "48", "--passes", "2"]
+
+
+def test_view_is_the_same_bytes_for_the_same_seed(tmp_path):
+    for name, seed in (("a", "1"), ("b", "1"), ("c", "2")):
+        assert (
+            main(["view", REGULAR, *SMALL, "--passes", "6", "--seed", seed, "-o", str(tmp_path / f"{name}.png")]) == 0
+        )
+    a, b, c = ((tmp_path / f"{name}.png").read_bytes() for name in "abc")
+    assert a == b != c
+
+
+@pytest.mark.parametrize("kind", ["gif", "apng", "mp4"])
+def test_sweep_writes_an_animation_and_a_contact_sheet(kind, tmp_path, capsys):
+    import imageio.v3 as iio
+    from PIL import Image
+
+    path = tmp_path / f"s.{kind}"
+    options = ["--from", "-10", "5", "--to", "20", "0", "--frames", "3", "--defocus", "veil", "--sheet"]
+    assert main(["sweep", REGULAR, *SMALL, *options, str(tmp_path / "sheet.png"), "-o", str(path)]) == 0
+    assert capsys.readouterr().out.split() == [str(path), str(tmp_path / "sheet.png")]
+    frames = iio.imread(path, plugin="FFMPEG" if kind == "mp4" else "pillow")
+    assert len(frames) == 4
+    assert np.abs(frames[0].astype(int) - frames[2]).mean() > 1
+    with Image.open(tmp_path / "sheet.png") as sheet:
+        assert sheet.width > 3 * 64
 
 
 def test_a_missing_package_is_named(monkeypatch, tmp_path, capsys):

@@ -64,6 +64,15 @@ def _bands(scale: Scale) -> Bands:
     return value_bands("defocus", np.array([0.0, scale.limit]), limits=(0.0, scale.limit))
 
 
+def under_scale(pictures: Sequence[Pixels], maps: Sequence[DefocusView], way: str = "veil") -> list[Pixels]:
+    """Pictures of one size under their defocus maps, all in one scale, each with its bar below."""
+    scale = shared_scale(maps, way)
+    height, width, _ = pictures[0].shape
+    bar = scale_bar(scale, width, max(11, height // 28))
+    bar = bar[: len(bar) - (height + len(bar)) % 2]
+    return [np.vstack([with_defocus(p, m, scale), bar]) for p, m in zip(pictures, maps, strict=True)]
+
+
 def defocus_strip(
     views: Sequence[tuple[str, Pixels, DefocusView]], caption: str, way: str = "veil", scale: Scale | None = None
 ) -> Pixels:
