@@ -1,7 +1,6 @@
 """First order against real rays: how far the maps of a lens can be trusted."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -53,8 +52,7 @@ def _deviating_spots(field: GazeField, check: RealRaysCheck, distance: Floats, r
         return []
     order = known[np.argsort(deviation[known])]
     picked = order[[int(0.9 * (order.size - 1)), -1]]
-    arrays = ("directions", "entry", "origin", "direction", "transfer", "status")
-    rays = replace(field, **{name: getattr(field, name)[picked] for name in arrays}, shape=(2,))
+    rays = field.take(picked)
     lens = field.lens
     assert lens is not None
     x, y, _ = worn_pose(lens, field.wearer.wear).to_lens(rays.origin).T

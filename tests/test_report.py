@@ -71,7 +71,7 @@ def test_numbers_are_those_of_the_workbench(folder, wearer):
     assert found["conventions"] == "lensbench-conventions/1"
     assert set(found["maps"]) >= {"mean_power", "astigmatism", "thickness"}
     assert len(found["ellipses"]) == 3
-    assert len(found["defocus"]) == 3
+    assert len(found["defocus"]) == 4
 
 
 def test_first_order_against_real_rays_is_said(folder):
@@ -82,7 +82,7 @@ def test_first_order_against_real_rays_is_said(folder):
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert f"{rows[1]['deviation_median']:.2f}; {rows[1]['deviation_p90']:.2f}" in page
     assert "ANSI Z80.1-2015" in page
-    assert "outside by 1.2" in page
+    assert page.count("<td>within</td>") == 4
 
 
 def test_every_number_has_a_unit(folder):
@@ -110,10 +110,16 @@ def test_the_views_differ_as_they_should(folder):
 
 def test_the_asked_distances_are_shown_on_one_scale(folder):
     found = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    assert list(found["defocus"]) == ["objects at infinity", "objects at 40 cm", "objects of the scene"]
+    assert list(found["defocus"]) == [
+        "objects at infinity",
+        "objects at 40 cm",
+        "objects at the wearer's distance for each gaze",
+        "objects of the scene",
+    ]
     assert sorted(p.name for p in folder.glob("defocus*")) == [
         "defocus_400.png",
         "defocus_inf.png",
+        "defocus_model.png",
         "defocus_scene.png",
     ]
     bars = []

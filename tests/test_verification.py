@@ -1,5 +1,6 @@
 """A lens against its order: by focimeter, with the tolerances of ANSI Z80.1-2015."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 import lensbench as lb
+from lensbench.cli import main
 from lensbench.layers import PointsLayer, Request, VerificationLayer
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.lens import Order
@@ -84,9 +86,35 @@ def test_prism_is_held_against_the_order_by_focimeter(progressive):
         assert (reading.lensmeter_prism, reading.lensmeter_prism_base) == pytest.approx((1.546, 275.1), abs=0.05)
         assert reading.prism_error < 0.02
     assert lines_of(lens)["prism"].within
-    off = lines_of(progressive)["prism"]
+    unordered = replace(progressive, ordered=replace(progressive.ordered, prism=0.0))
+    off = lines_of(unordered)["prism"]
     assert not off.within
     assert off.excess == pytest.approx(1.546 - 0.33, abs=0.01)
+
+
+@pytest.mark.parametrize("path", sorted(SAMPLES.glob("*_R.toml")), ids=lambda path: path.stem)
+def test_the_samples_are_as_ordered(path):
+    """But for the addition of one, which is 0.006 D short of its tolerance."""
+    lines = lines_of(lb.load_lens(path))
+    missed = {name: line.excess for name, line in lines.items() if not line.within}
+    assert missed == ({"addition": pytest.approx(0.006, abs=1e-3)} if path.stem == "wide_near_R" else {})
+
+
+def test_the_verb_prints_a_line_each(capsys):
+    assert main(["verify", str(SAMPLES / "wide_near_R.toml")]) == 0
+    text = capsys.readouterr().out.splitlines()
+    assert len(text) == 6
+    assert text[4].split()[:5] == ["addition", "2.00", "1.87", "-0.13", "0.12"]
+    assert text[4].endswith("outside by 0.01")
+    assert main(["verify", str(SAMPLES / "toric_R.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["lines"][2]["unit"] == "deg"
+
+
+def test_nothing_to_verify(tmp_path, capsys):
+    path = tmp_path / "lens.toml"
+    path.write_text((SAMPLES / "toric_R.toml").read_text(encoding="utf-8").split("[ordered]")[0], encoding="utf-8")
+    assert main(["verify", str(path)]) == 2
+    assert "holds no order" in capsys.readouterr().err
 
 
 def test_without_an_order_there_is_nothing_to_verify(toric):

@@ -16,8 +16,8 @@ from .field import Accommodation, Ellipse, GazeField, ellipse
 from .gaze import TracedRays, trace_rays
 from .pupil import Pupil, gauss_pupil, zernike
 
-_STEPS = 2  # of Newton's method, which starts within the second order of the pupil's size
-_LARGEST_MISS = 1e-7  # rad
+_STEPS, _LARGEST_MISS = 4, 1e-6  # of Newton's method; rad
+_CHUNK = 8192  # rays at a time
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,33 +116,58 @@ def trace_bundle(
     """Trace the eye's rays from its pupil to objects at `distance` (mm, a number or (n,)); see GazeField.bundle."""
     samples, s = pupil or gauss_pupil(), np.broadcast_to(np.asarray(distance, dtype=float), field.status.shape)
     vergence = field.vergence(s, accommodation)
+    landing = np.empty((len(s), len(samples.weights), 2))
+    for part in _parts(len(s), samples):
+        landing[part] = _landing(field.take(part), s[part], vergence[part], samples)
+    return Bundle(field, samples, s, vergence, landing)
+
+
+def _parts(gazes: int, pupil: Pupil) -> list[slice]:
+    """Gazes by so many at a time that their rays are _CHUNK or fewer."""
+    step = max(1, _CHUNK // len(pupil.weights))
+    return [slice(first, first + step) for first in range(0, gazes, step)]
+
+
+def _landing(field: GazeField, s: Floats, vergence: Floats, samples: Pupil) -> Floats:
+    """Landing points (n, m, 2), rad: see Bundle."""
     offsets = _offsets(field, samples)
     rays = _traced(field, offsets, offsets @ vergence / 1000)
     away = rays.exit - field.origin[:, None]
     along, w = field.direction[:, None], (1 / s)[:, None, None]
     ahead = np.sum(rays.direction * along, axis=-1, keepdims=True)
     reach = (1 - w * np.sum(away * along, axis=-1, keepdims=True)) / ahead
-    landing = (w * away + reach * rays.direction) @ np.swapaxes(field.frame[:, :2], 1, 2)
-    return Bundle(field, samples, s, vergence, landing)
+    return (w * away + reach * rays.direction) @ np.swapaxes(field.frame[:, :2], 1, 2)
 
 
 def trace_wavefront(field: GazeField, distance: ArrayLike, vergence: Floats, pupil: Pupil | None = None) -> Wavefront:
     """Find the rays from the object point at `distance` (mm, a number or (n,)) on each chief ray to the pupil points.
 
-    vergence (n, 2, 2): S of the eye, D. Newton's method with each ray's own transfer matrix, backwards from the pupil.
+    vergence (n, 2, 2): S of the eye, D. Newton's method with each ray's own transfer matrix, backwards from the pupil, from
+    the first order. What the last rays still miss by counts in the second order of the path, and is put right in the spread.
     """
     samples, s = pupil or gauss_pupil(), np.broadcast_to(np.asarray(distance, dtype=float), field.status.shape)
+    aberration = np.empty((len(s), len(samples.weights)))
+    spread = np.empty((*aberration.shape, 2))
+    for part in _parts(len(s), samples):
+        aberration[part], spread[part] = _aberration(field.take(part), s[part], vergence[part], samples)
+    return Wavefront(field, samples, aberration, spread)
+
+
+def _aberration(field: GazeField, s: Floats, vergence: Floats, samples: Pupil) -> tuple[Floats, Floats]:
+    """Aberration (n, m), um, and spread (n, m, 2), rad: see Wavefront."""
     offsets, w = _offsets(field, samples), (1 / s)[:, None, None]
     slopes = offsets @ np.swapaxes(field.required_vergence(s), 1, 2) / 1000
     for _ in range(_STEPS):
         rays = _traced(field, offsets, slopes)
-        slopes = slopes + _correction(field, rays, w)[0]
-    rays = _traced(field, offsets, slopes)
-    missed = np.linalg.norm(_correction(field, rays, w)[1], axis=-1) > _LARGEST_MISS
+        still, miss = _correction(field, rays, w)
+        missed = np.hypot(miss[..., 0], miss[..., 1]) > _LARGEST_MISS
+        if not missed.any():
+            break
+        slopes = slopes + still
     emitted = offsets @ vergence / 1000
     ideal = -np.sum(offsets * emitted, axis=-1) / (1 + np.sqrt(1 + np.sum(emitted**2, axis=-1)))
     aberration = np.where(missed, np.nan, 1000 * (ideal - _path_beyond_chief(field, rays, offsets, w)))
-    return Wavefront(field, samples, aberration, np.where(missed[..., None], np.nan, slopes - emitted))
+    return aberration, np.where(missed[..., None], np.nan, slopes + still - emitted)
 
 
 def _offsets(field: GazeField, pupil: Pupil) -> Floats:

@@ -8,7 +8,7 @@ take the object distance s in mm from the exit point: a number, an array (n,) or
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,6 +88,12 @@ class GazeField(ReadOnlyArrays):
         if (eye.centre_of_rotation, eye.entrance_pupil) != (old.centre_of_rotation, old.entrance_pupil):
             raise ValueError("an eye with another centre of rotation or entrance pupil needs a new trace")
         return replace(self, wearer=replace(self.wearer, eye=eye))
+
+    def take(self, which: NDArray[Any] | slice) -> "GazeField":
+        """The field of some of its rays, by an index array, a mask or a slice."""
+        arrays = ("directions", "entry", "origin", "direction", "transfer", "status")
+        picked = {name: getattr(self, name)[which] for name in arrays}
+        return replace(self, **picked, shape=picked["status"].shape)
 
     def with_status(self, where: NDArray[np.bool_], status: Status) -> "GazeField":
         """The field with the rays `where` (n,) failed with the given status."""
@@ -198,7 +204,7 @@ class GazeField(ReadOnlyArrays):
     ) -> "Bundle":
         """Real rays through the whole pupil to objects at `distance` (a number or (n,)): what the first order leaves out.
 
-        pupil: sample points, see optics.pupil; 6 rings of 16 points if left out. Traces the lens again.
+        pupil: sample points, see optics.pupil; 4 rings of 14 points if left out. Traces the lens again.
         """
         from .bundle import trace_bundle
 

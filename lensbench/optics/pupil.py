@@ -17,9 +17,9 @@ class Pupil(ReadOnlyArrays):
     weights: Floats
 
 
-def gauss_pupil(rings: int = 6, spokes: int = 16) -> Pupil:
+def gauss_pupil(rings: int = 4, spokes: int = 14) -> Pupil:
     """Gauss-Legendre in the squared radius times equal angles: means over the disc are exact for polynomials of a degree
-    below 4 rings and below `spokes`."""
+    below 4 times `rings` and below `spokes`. The default is exact for products of two Zernike polynomials of order 6."""
     node, weight = np.polynomial.legendre.leggauss(rings)
     radius, angle = np.sqrt((node + 1) / 2), (np.arange(spokes) + 0.5) * 2 * np.pi / spokes
     points = radius[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)

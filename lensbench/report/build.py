@@ -44,7 +44,7 @@ EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With t
 PASSES, PINHOLE_PASSES = 32, 8
 MAPS = (
     "mean_error", "astigmatic_error", "prism", "thickness",
-    "magnification", "magnification_anisotropy", "swim", "transverse_chromatic",
+    "magnification", "magnification_anisotropy", "skew", "swim", "transverse_chromatic",
 )  # fmt: skip
 MODES = tuple(
     tuple(f"{mode}{name}" for mode in ("", "lensmeter_", "surface_")) for name in ("mean_power", "astigmatism")
@@ -125,10 +125,10 @@ def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> 
         ask(VerificationLayer()),
         ask(ProfileLayer()),
         {name: ask(MapLayer(name)) for name in names},
-        {d: ask(MapLayer("defocus", d)) for d in [*distances, "scene"]},
+        {d: ask(MapLayer("defocus", d)) for d in [*distances, "model", "scene"]},
         ask(EllipseLayer()),
         {name: look(name, lens, wearer, scene) for name in scene.looks},
-        ask(RealRaysLayer((*distances, "scene"))),
+        ask(RealRaysLayer((*distances, "model", "scene"))),
         ask(DistortionLayer()),
     )
 
