@@ -149,6 +149,16 @@ class AgainstLayer:
     distance: float = np.inf
 
 
+@dataclass(frozen=True, slots=True)
+class ProbeLayer:
+    """Readings along one gaze: through a point (x, y) mm of the front surface, or in a direction (3,) of the wear frame."""
+
+    point: tuple[float, float] | None = None
+    direction: tuple[float, float, float] | None = None
+    distance: float | str = np.inf
+    accommodation: Accommodation = "retina"
+
+
 EYES = ("lens", "naked", "pinhole", "perfect")
 Layer = (
     MapLayer
@@ -162,6 +172,7 @@ Layer = (
     | ViewLayer
     | DefocusLayer
     | AgainstLayer
+    | ProbeLayer
 )
 
 
@@ -288,6 +299,36 @@ class DistortionGrid(ReadOnlyArrays):
     object: Floats
     apparent: Floats
     status: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Probe(ReadOnlyArrays):
+    """A gaze and what is read along it. point: (x, y) mm on the front surface. direction (3,): of the gaze; azimuth,
+    elevation: degrees. exit (3,) mm, outgoing (3,): the ray in the scene; all in the wear frame.
+
+    distance: of the object along it, mm. sphere, cylinder, mean_power (D), axis (degrees): as worn for that distance. prism
+    (cm/m), prism_base (degrees). semi_major, semi_minor: of the ellipse of confusion there, mm; NaN at infinity.
+    accommodation: in use, D. defocus: 2|eps|, arcmin. status: of the ray; readings are NaN where it is not OK.
+    """
+
+    point: tuple[float, float]
+    direction: Floats
+    azimuth: float
+    elevation: float
+    exit: Floats
+    outgoing: Floats
+    distance: float
+    sphere: float
+    cylinder: float
+    axis: float
+    mean_power: float
+    prism: float
+    prism_base: float
+    semi_major: float
+    semi_minor: float
+    accommodation: float
+    defocus: float
+    status: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -27,6 +27,8 @@ from .layers import (
     MapLayer,
     PointReading,
     PointsLayer,
+    Probe,
+    ProbeLayer,
     Profile,
     ProfileLayer,
     RealRays,
@@ -53,6 +55,7 @@ from .optics.object_distance import model_distance
 from .optics.ordered import wearer_as_ordered
 from .optics.tolerances import ToleranceLine, verification
 from .optics.voxels import blur_on_planes, distance_to_plane
+from .probe import read_probe
 from .quantities import QUANTITIES
 from .readings import point_readings
 from .real_rays import compare
@@ -294,3 +297,16 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
 def defocus_view(layer: DefocusLayer, request: Request) -> DefocusView:
     """The defocus map in a view."""
     return seen.defocus_view(seen_scene(layer.view, request))
+
+
+@_answer.register
+def probe(layer: ProbeLayer, request: Request) -> Probe:
+    """Readings along the gaze through a lens point, or in a direction."""
+    lens, wearer = _needed_lens(request), request.wearer
+    if layer.point is not None:
+        field = look_through(lens, wearer, [layer.point[0]], [layer.point[1]])
+    else:
+        field = trace(lens, wearer, [layer.direction])
+    if field.status[0] != Status.OK:
+        return read_probe(field, np.nan, 0.0)
+    return read_probe(field, _object_distance(layer.distance, field, request), layer.accommodation)

@@ -28,7 +28,7 @@ def add_verb(verbs: Any, name: str, run: Any, summary: str) -> argparse.Argument
 
 def lens_and_wearer(verb: argparse.ArgumentParser) -> None:
     """The lens file and the wearer file."""
-    verb.add_argument("lens", type=Path, help="lens file")
+    verb.add_argument("lens", type=Path, help="lens file, or a session (.lensbench.json)")
     lens_choice(verb)
     verb.add_argument(
         "-w", "--wearer", type=Path, help="wearer file (.toml); assumed from the lens's order if not given"
@@ -55,6 +55,13 @@ def scene_options(verb: argparse.ArgumentParser, default: str | None = "room") -
     verb.add_argument("--scene-unit", choices=["mm", "cm", "m", "in", "ft"], help="of a mesh (glTF: m)")
     for name, what in (("eye", "place of the eye"), ("ahead", "direction of the face"), ("up", "direction (0 1 0)")):
         verb.add_argument(f"--scene-{name}", type=float, nargs=3, metavar=("X", "Y", "Z"), help=f"{what}, in the mesh")
+
+
+def progress_option(verb: argparse.ArgumentParser) -> None:
+    """--progress."""
+    verb.add_argument(
+        "--progress", action="store_true", help="a line a step on standard error, for programs that watch"
+    )
 
 
 def output_option(verb: argparse.ArgumentParser, default: str) -> None:
@@ -138,19 +145,30 @@ def scene_of(args: argparse.Namespace) -> "Scene":
 
 
 def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
-    """The lens and its wearer."""
-    return load_lens_of(args, args.lens)
+    """The lens and its wearer; of a session the active ones."""
+    cases = load_cases(args, args.lens, active=True)
+    return cases[0]
 
 
-def load_lens_of(args: argparse.Namespace, path: Path) -> tuple["Lens", "Wearer"]:
-    """The lens in a file; its wearer: of --wearer, else of the file, else assumed."""
+def load_cases(args: argparse.Namespace, path: Path, active: bool = False) -> list[tuple["Lens", "Wearer"]]:
+    """The lens in a file, or all lenses of a session (the active one alone), each with its wearer: of --wearer, else of the
+    file, else assumed.
+    """
     from ..formats import load_pair, load_wearer
     from ..workbench import assumed_wearer
 
+    if path.name.endswith(".lensbench.json"):
+        from ..session import load_session
+
+        bench, _ = load_session(path)
+        if not bench.lenses:
+            raise InputError(f"{path}: the session holds no lens")
+        found = [bench.lenses[bench.lens]] if active else bench.lenses
+        return [(entry.lens, load_wearer(args.wearer) if args.wearer else bench.active_wearer) for entry in found]
     lens, told = load_pair(path, args.side, args.material)[0]
     if args.wearer:
-        return lens, load_wearer(args.wearer, lens.side)
-    return lens, told or assumed_wearer(lens)
+        return [(lens, load_wearer(args.wearer, lens.side))]
+    return [(lens, told or assumed_wearer(lens))]
 
 
 def kind_of(path: Path, *allowed: str) -> str:

@@ -11,7 +11,8 @@ from .options import (
     lens_and_wearer,
     lens_choice,
     load_case,
-    load_lens_of,
+    load_cases,
+    progress_option,
     scene_of,
     scene_options,
     write,
@@ -31,6 +32,7 @@ def _add_report(verbs: Any) -> None:
         "--object-distance", type=distance, nargs="+", metavar="D", help="for the defocus maps (inf 78cm 40cm)"
     )
     scene_options(verb)
+    progress_option(verb)
     verb.add_argument("-o", "--output", type=Path, default=None, metavar="DIR", help="folder (reports/<lens file>)")
 
 
@@ -40,6 +42,7 @@ def _add_compare(verbs: Any) -> None:
         "lenses", type=Path, nargs="+", metavar="LENS", help="lens files of one side; the first is the reference"
     )
     lens_choice(verb)
+    progress_option(verb)
     verb.add_argument(
         "-w", "--wearer", type=Path, help="wearer file (.toml); assumed from the first lens's order if not given"
     )
@@ -59,7 +62,7 @@ def write_report(args: argparse.Namespace) -> None:
     from ..report.progress import Progress
 
     folder = args.output or Path("reports") / args.lens.stem
-    progress = Progress(sys.stderr)
+    progress = Progress(sys.stderr, args.progress)
     progress.step("load")
     lens, wearer = load_case(args)
     scene = scene_of(args)
@@ -74,9 +77,9 @@ def write_comparison(args: argparse.Namespace) -> None:
     from ..report.comparison import build_comparison, zones_csv
     from ..report.progress import Progress
 
-    progress = Progress(sys.stderr)
+    progress = Progress(sys.stderr, args.progress)
     progress.step("load")
-    cases = [load_lens_of(args, path) for path in args.lenses]
+    cases = [case for path in args.lenses for case in load_cases(args, path)]
     wearer = cases[0][1]
     lenses = [lens for lens, _ in cases]
     if args.output.suffix.lower() == ".csv":

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ..optics.conventions import power_matrix
+from ..optics.conventions import power_matrix, sphere_cylinder_axis
 from ..optics.eye import Eye, Wear, Wearer, hofstetter_amplitude, watson_yellott_pupil
 from .toml_file import Pair, Table, validated
 
@@ -117,3 +117,30 @@ def _pupil(t: WearerTable) -> float:
     assert t.age is not None
     assert t.eye.luminance is not None
     return float(watson_yellott_pupil(t.eye.luminance, t.age, t.eye.field_area))
+
+
+def wearer_table(wearer: Wearer) -> dict[str, Any]:
+    """A wearer as the tables of a wearer file, amplitude and pupil as numbers: build_wearer gives the same wearer again."""
+    eye, wear = wearer.eye, wearer.wear
+    sphere, cylinder, axis = (float(v) for v in sphere_cylinder_axis(eye.refraction))
+    table = {
+        "format": "lensbench-wearer/1",
+        "name": wearer.name,
+        "refraction": {
+            "sphere": sphere, "cylinder": cylinder, "axis": axis, "vertex_distance": eye.refraction_vertex_distance,
+        },
+        "eye": {
+            "accommodation": eye.accommodation, "pupil_diameter": eye.pupil_diameter,
+            "centre_of_rotation": eye.centre_of_rotation, "entrance_pupil": eye.entrance_pupil,
+        },
+        "wear": {
+            "vertex_distance": wear.vertex_distance,
+            "pantoscopic_angle": float(np.degrees(wear.pantoscopic_angle)),
+            "face_form_angle": float(np.degrees(wear.face_form_angle)),
+            "decentration": list(wear.decentration),
+            "pupillary_distance": wear.pupillary_distance,
+            "near_distance": wear.near_distance,
+            "object_distances": [[float(np.degrees(angle)), distance] for angle, distance in wear.object_distances],
+        },
+    }  # fmt: skip
+    return table if wearer.age is None else table | {"age": wearer.age}

@@ -5,9 +5,10 @@ from typing import TextIO
 
 
 class Progress:
-    """Named steps on one line of a terminal (silent elsewhere). `seconds` holds the time of each step."""
+    """Named steps on one line of a terminal; elsewhere silent, or (lines) each on a line of its own. `seconds`: by step."""
 
-    def __init__(self, stream: TextIO):
+    def __init__(self, stream: TextIO, lines: bool = False):
+        self._lines = lines and not stream.isatty()
         self.seconds: dict[str, float] = {}
         self._stream, self._name, self._since = stream, "", 0.0
 
@@ -17,6 +18,8 @@ class Progress:
         self._name, self._since = name, time.perf_counter()
         if self._stream.isatty():
             print(f"\r\033[K{name} ...", end="", file=self._stream, flush=True)
+        elif self._lines:
+            print(name, file=self._stream, flush=True)
 
     def done(self) -> None:
         """All steps are over: say how long each took."""

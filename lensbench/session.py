@@ -1,0 +1,300 @@
+"""What lies on the table of the workbench, and the session file that keeps it: format "lensbench-session/1" (JSON).
+
+A lens is kept as the file it came from and what was edited since, a wearer as in a wearer file. In the file: distances in
+mm, powers in D, angles in degrees, paths relative to the file.
+"""
+
+import json
+import os
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from .errors import InputError
+from .formats import load_pair
+from .formats.lens_file import material_named
+from .formats.text import read_text
+from .formats.toml_file import Table, validated
+from .formats.wearer_file import WearerTable, build_wearer, wearer_table
+from .layers import EYES
+from .optics.eye import Wearer
+from .optics.lens import Lens, Order
+from .optics.ordered import wearer_as_ordered
+from .output import to_json, write_file
+from .quantities import QUANTITIES
+
+FORMAT = "lensbench-session/1"
+SPLITS = (1, 2, 4)
+KINDS = {
+    "map": "Map",
+    "lens": "Lens in space",
+    "profile": "Power profile",
+    "distortion": "Distortion grid",
+    "ellipses": "Ellipses of confusion",
+    "view": "Simulated view",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Edits:
+    """What was changed of a lens since it was read; None: as in its file. centre_thickness: mm."""
+
+    centre_thickness: float | None = None
+    material: str | None = None
+    ordered: Order | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LensOnTable:
+    """A lens as it was read from a file (side, material: as asked of it), and as it is now."""
+
+    path: Path
+    read: Lens
+    lens: Lens
+    side: str = ""
+    material: str = ""
+    edits: Edits = Edits()
+
+    def edited(self, **changes: Any) -> "LensOnTable":
+        """With other edits. Raises InputError for a material that is not known or a lens that would not hold together."""
+        edits = replace(self.edits, **changes)
+        lens = self.read
+        if edits.material is not None:
+            lens = replace(lens, material=material_named(edits.material))
+        if edits.ordered is not None:
+            lens = replace(lens, ordered=edits.ordered)
+        if edits.centre_thickness is not None:
+            lens = replace(lens, centre_thickness=edits.centre_thickness)
+            edge = lens.minimum_edge_thickness()
+            if not edge.thickness > 0:
+                raise InputError(
+                    f"{lens.name}: with {edits.centre_thickness:g} mm at the centre the edge would be {edge.thickness:.2f} mm "
+                    f"thick at x = {edge.x:.1f}, y = {edge.y:.1f} mm"
+                )
+        return replace(self, lens=lens, edits=edits)
+
+
+@dataclass(frozen=True, slots=True)
+class Pane:
+    """What one viewport shows. kind: one of KINDS. quantity: of a map. lens: index, None for the active one; minus: index
+    of the lens whose map is taken off. low, high, step: of the colour scale, None for what suits. Of a view: eye; azimuth,
+    elevation: of the picture's centre, width: of the picture, degrees; split: left half as without the lens.
+    """
+
+    kind: str = "map"
+    quantity: str = "mean_power"
+    lens: int | None = None
+    minus: int | None = None
+    low: float | None = None
+    high: float | None = None
+    step: float | None = None
+    eye: str = "lens"
+    azimuth: float = 0.0
+    elevation: float = -12.0
+    width: float = 60.0
+    split: bool = False
+
+
+PANES = (Pane("lens"), Pane("map", "astigmatism"), Pane("view"), Pane("profile"))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Workbench:
+    """Everything on the table. lens, wearer: indices of the active ones. scene: a name or a file. split: viewports shown.
+
+    distance: of objects from the front surface, mm, inf, or "scene" or "model" as in MapLayer. depths: of the ellipses, mm.
+    head_turn, head_tilt: degrees, as in ViewLayer.
+    """
+
+    lenses: tuple[LensOnTable, ...] = ()
+    wearers: tuple[Wearer, ...] = field(default_factory=lambda: (Wearer(name="emmetrope"),))
+    scene: str = "room"
+    lens: int = 0
+    wearer: int = 0
+    panes: tuple[Pane, ...] = PANES
+    split: int = 4
+    distance: float | str = float(np.inf)
+    accommodation: str = "retina"
+    depths: tuple[float, ...] = (300.0, 500.0, 800.0)
+    head_turn: float = 0.0
+    head_tilt: float = 0.0
+
+    @property
+    def active_lens(self) -> Lens | None:
+        """The active lens, if there is any."""
+        return self.lenses[self.lens].lens if self.lenses else None
+
+    @property
+    def active_wearer(self) -> Wearer:
+        """The active wearer."""
+        return self.wearers[self.wearer]
+
+    def lens_of(self, pane: Pane) -> Lens | None:
+        """The lens that a pane shows, if there is any."""
+        return (
+            self.lenses[pane.lens].lens if pane.lens is not None and pane.lens < len(self.lenses) else self.active_lens
+        )
+
+    def with_lens(self, path: Path, side: str = "", material: str = "") -> "Workbench":
+        """With the lens in a file added and active, and its wearer, if the file tells of one or none was chosen before.
+
+        Raises InputError.
+        """
+        lens, told = load_pair(path, side, material)[0]
+        wearers, wearer = self.wearers, self.wearer
+        if told is None and not self.lenses and len(wearers) == 1 and lens.ordered is not None:
+            told = wearer_as_ordered(lens.ordered, name="as ordered")
+        if told is not None:
+            wearers, wearer = (*wearers, told), len(wearers)
+        added = LensOnTable(path, lens, lens, side, material)
+        return replace(self, lenses=(*self.lenses, added), lens=len(self.lenses), wearers=wearers, wearer=wearer)
+
+    def with_wearer(self, wearer: Wearer) -> "Workbench":
+        """With a wearer added and active."""
+        return replace(self, wearers=(*self.wearers, wearer), wearer=len(self.wearers))
+
+    def without_lens(self, k: int) -> "Workbench":
+        """With the k-th lens taken off the table; panes that showed it show the active lens."""
+
+        def moved(index: int | None) -> int | None:
+            return None if index is None or index == k else index - (index > k)
+
+        panes = tuple(replace(pane, lens=moved(pane.lens), minus=moved(pane.minus)) for pane in self.panes)
+        lenses = self.lenses[:k] + self.lenses[k + 1 :]
+        return replace(self, lenses=lenses, lens=max(0, min(self.lens - (self.lens > k), len(lenses) - 1)), panes=panes)
+
+    def with_pane(self, k: int, **changes: Any) -> "Workbench":
+        """With the k-th pane changed."""
+        pane = replace(self.panes[k], **changes)
+        return replace(self, panes=(*self.panes[:k], pane, *self.panes[k + 1 :]))
+
+
+# ---- the session file ----
+
+
+class OrderTable(Table):
+    """As in a lens file."""
+
+    sphere: float = Field(0.0, ge=-40, le=40)
+    cylinder: float = Field(0.0, ge=-20, le=20)
+    axis: float = Field(180.0, ge=0, le=180)
+    addition: float = Field(0.0, ge=0, le=5)
+    prism: float = Field(0.0, ge=0, le=20)
+    prism_base: float = Field(0.0, ge=0, le=360)
+
+
+class LensTable(Table):
+    """file: relative to the session file, or absolute; side, material: as asked of it; the rest: edits."""
+
+    file: str
+    side: Literal["", "R", "L"] = ""
+    as_material: str = ""
+    centre_thickness: float | None = Field(None, gt=0, le=50)
+    material: str | None = None
+    ordered: OrderTable | None = None
+
+
+class PaneTable(Table):
+    """As in Pane."""
+
+    kind: Literal[tuple(KINDS)]  # type: ignore[valid-type]
+    quantity: Literal[tuple(QUANTITIES)]  # type: ignore[valid-type]
+    lens: int | None = Field(None, ge=0)
+    minus: int | None = Field(None, ge=0)
+    low: float | None = None
+    high: float | None = None
+    step: float | None = Field(None, gt=0)
+    eye: Literal[EYES] = "lens"  # type: ignore[valid-type]
+    azimuth: float = Field(0.0, ge=-80, le=80)
+    elevation: float = Field(0.0, ge=-80, le=80)
+    width: float = Field(60.0, ge=5, le=120)
+    split: bool = False
+
+
+class SessionTable(Table):
+    """The whole file."""
+
+    format: Literal["lensbench-session/1"]
+    lenses: list[LensTable]
+    wearers: list[WearerTable] = Field(min_length=1)
+    scene: str = "room"
+    lens: int = Field(0, ge=0)
+    wearer: int = Field(0, ge=0)
+    panes: list[PaneTable] = Field(min_length=4, max_length=4)
+    split: Literal[1, 2, 4] = 4
+    distance: float | Literal["inf", "scene", "model"] = "inf"
+    accommodation: Literal["retina", "object", "paper"] = "retina"
+    depths: list[float] = Field(default=[300.0, 500.0, 800.0], min_length=1, max_length=9)
+    head_turn: float = Field(0.0, ge=-60, le=60)
+    head_tilt: float = Field(0.0, ge=-60, le=60)
+    window: str = ""
+
+
+def save_session(workbench: Workbench, path: Path, window: str = "") -> None:
+    """Write the session file; window: the window's own state, as text. Raises InputError."""
+    data = {
+        "format": FORMAT,
+        "lenses": [_lens_entry(entry, path.parent) for entry in workbench.lenses],
+        "wearers": [wearer_table(wearer) for wearer in workbench.wearers],
+        "panes": [_given(asdict(pane)) for pane in workbench.panes],
+        "distance": "inf" if workbench.distance == np.inf else workbench.distance,
+        "depths": list(workbench.depths),
+        "window": window,
+    }
+    plain = ("scene", "lens", "wearer", "split", "accommodation", "head_turn", "head_tilt")
+    data |= {name: getattr(workbench, name) for name in plain}
+    write_file(path, to_json(data))
+
+
+def _lens_entry(entry: LensOnTable, folder: Path) -> dict[str, Any]:
+    file = entry.path.absolute()
+    try:
+        name = os.path.relpath(file, folder.absolute())
+    except ValueError:  # another drive
+        name = str(file)
+    edits = asdict(entry.edits)
+    return _given({"file": Path(name).as_posix(), "side": entry.side, "as_material": entry.material, **edits})
+
+
+def _given(values: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def load_session(path: Path) -> tuple[Workbench, str]:
+    """The workbench of a session file, its lenses read anew from their files; and the window's state. Raises InputError."""
+    try:
+        data = json.loads(read_text(path))
+    except ValueError as error:
+        raise InputError(f"{path}: not a session file: {error}") from None
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        raise InputError(f"{path}: not a session file: it must hold format = {FORMAT!r}")
+    table = validated(path, data, SessionTable)
+    lenses = tuple(_lens_on_table(path, entry) for entry in table.lenses)
+    wearers = tuple(build_wearer(path, wearer) for wearer in data["wearers"])
+    for name, index, count in (("lens", table.lens, max(1, len(lenses))), ("wearer", table.wearer, len(wearers))):
+        if index >= count:
+            raise InputError(f"{path}: {name}: there is no {name} {index}; the file holds {count}, counted from 0")
+    panes = tuple(Pane(**pane.model_dump()) for pane in table.panes)
+    for k, pane in enumerate(panes):
+        if max(pane.lens or 0, pane.minus or 0) >= max(1, len(lenses)):
+            raise InputError(f"{path}: panes.{k}: names a lens that the file does not hold")
+    plain = ("scene", "lens", "wearer", "split", "accommodation", "head_turn", "head_tilt")
+    return Workbench(
+        lenses=lenses,
+        wearers=wearers,
+        panes=panes,
+        distance=np.inf if table.distance == "inf" else table.distance,
+        depths=tuple(table.depths),
+        **{name: getattr(table, name) for name in plain},
+    ), table.window
+
+
+def _lens_on_table(path: Path, entry: LensTable) -> LensOnTable:
+    file = path.parent / entry.file
+    lens, _ = load_pair(file, entry.side, entry.as_material)[0]
+    ordered = None if entry.ordered is None else Order(**entry.ordered.model_dump())
+    on_table = LensOnTable(file, lens, lens, entry.side, entry.as_material)
+    return on_table.edited(centre_thickness=entry.centre_thickness, material=entry.material, ordered=ordered)
