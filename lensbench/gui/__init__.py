@@ -1,1 +1,1 @@
-"""The Qt window's room: the only place that may import Qt."""
+"""The window: Qt only here. A document holds what lies on the table; panels and viewports show it and ask the lane."""

@@ -41,8 +41,7 @@ def ellipse_figure(
     columns, rows = min(len(sheets), 3), -(-len(sheets) // 3)
     across, up = 0.85 + columns * (panel + 0.75) + 0.95, 1.0 + rows * (panel + 0.95)
     figure = maps.blank_figure(across, up)
-    angles = [angular_diameters(sheet, wearer) for sheet in sheets]
-    bands = value_bands("defocus", np.concatenate(angles))
+    angles, bands = [angular_diameters(sheet, wearer) for sheet in sheets], ellipse_bands(sheets, wearer)
     for k, (sheet, angle) in enumerate(zip(sheets, angles, strict=True)):
         left, bottom = 0.85 + (k % 3) * (panel + 0.75), up - 1.0 - (k // 3 + 1) * (panel + 0.95) + 0.75
         axes = maps.place(figure, left, bottom, panel, panel)
@@ -58,6 +57,11 @@ def angular_diameters(sheet: EllipseSheet, wearer: Wearer) -> Floats:
     """Major diameter of each ellipse (n,) seen from the eye's centre of rotation, arcmin."""
     away = np.linalg.norm(sheet.centre - wearer.centre_of_rotation, axis=1)
     return np.degrees(2 * np.arctan(sheet.semi_major / away)) * 60
+
+
+def ellipse_bands(sheets: Iterable[EllipseSheet], wearer: Wearer) -> Bands:
+    """One scale of major diameters (arcmin) for several sheets."""
+    return value_bands("defocus", np.concatenate([angular_diameters(sheet, wearer) for sheet in sheets]))
 
 
 def ellipse_outlines(sheet: EllipseSheet, exaggeration: float = 1.0, corners: int = 24) -> Floats:
@@ -117,14 +121,13 @@ def ellipse_stack(
     ellipse_figure.
     """
     figure = maps.blank_figure(size[0] / 100, size[1] / 100)
-    bands = value_bands("defocus", np.concatenate([angular_diameters(sheet, wearer) for sheet in sheets]))
+    bands = ellipse_bands(sheets, wearer)
     groups = _scenes([(sheet, exaggeration or fitting_exaggeration(sheet)) for sheet in sheets])
     room = (size[0] - 100) // len(groups), size[1] - 100
     for k, group in enumerate(groups):
         plotter = stage(room)
-        _add_wearer(plotter, lens, wearer)
-        frames = [_add_sheet(plotter, sheet, wearer, bands, factor) for sheet, factor in group]
-        _look_along(plotter, wearer, np.concatenate(frames))
+        frames = draw_ellipses(plotter, lens, wearer, group, bands)
+        look_along(plotter, wearer, np.concatenate(frames))
         for (sheet, factor), frame in zip(group, frames, strict=True):
             spot = (in_view(plotter, frame)[1] + 1) / 2 * room + (k * room[0] - 6, FOOT + 2)
             figure.text(*spot / (figure.get_size_inches() * 100), _sheet_title(sheet, factor), ha="right", color=INK)
@@ -133,6 +136,18 @@ def ellipse_stack(
     maps.colour_bar(maps.place(figure, size[0] / 100 - 0.75, 0.7, 0.18, size[1] / 100 - 1.9), bands, "arcmin")
     maps.small_print(figure, "seen from behind the wearer's right shoulder; colour: major diameter seen from the eye")
     return maps.figure_array(figure)
+
+
+def draw_ellipses(
+    plotter: pv.Plotter,
+    lens: Lens | None,
+    wearer: Wearer,
+    sheets: Sequence[tuple[EllipseSheet, float]],
+    bands: Bands,
+) -> list[Floats]:
+    """Put the eye, the lens and sheets, each with its exaggeration, on a stage; the corners (4, 3) round each sheet, mm."""
+    _add_wearer(plotter, lens, wearer)
+    return [_add_sheet(plotter, sheet, wearer, bands, factor) for sheet, factor in sheets]
 
 
 def _scenes(sheets: Iterable[tuple[EllipseSheet, float]]) -> list[list[tuple[EllipseSheet, float]]]:
@@ -177,7 +192,7 @@ def _add_sheet(plotter: pv.Plotter, sheet: EllipseSheet, wearer: Wearer, bands: 
     return corners
 
 
-def _look_along(plotter: pv.Plotter, wearer: Wearer, corners: Floats) -> None:
+def look_along(plotter: pv.Plotter, wearer: Wearer, corners: Floats) -> None:
     """Stand behind the wearer's right shoulder, so that the eye and the sheets' corners (n, 3) fill the stage."""
     deepest = corners[:, 2].max()
     plotter.camera.focal_point, plotter.camera.up = (0.0, 0.0, 0.5 * deepest), (0, 1, 0)

@@ -80,15 +80,12 @@ def map_on_lens(
 
     size: (width, height) pixels; step, limits: as in maps.map_figure.
     """
-    pose = worn_pose(lens, wearer.wear)
-    mesh, bands = lens_mesh(lens, pose), map_bands(lens, lens_map, step, limits)
+    mesh = lens_mesh(lens, worn_pose(lens, wearer.wear))
+    bands = map_bands(lens, lens_map, step, limits)
     room = size[0] - 100, size[1] - 100
     plotter = stage(room)
-    _add_body(plotter, mesh)
-    _add_map(plotter, mesh, lens_map, bands)
-    for name, point in lens.points.named().items():
-        _add_mark(plotter, lens, pose, name, point)
-    _look(plotter, mesh, lens.side)
+    draw_lens(plotter, lens, wearer, mesh, (lens_map, bands))
+    look_at_lens(plotter, mesh, lens.side)
     figure = maps.blank_figure(size[0] / 100, size[1] / 100)
     _name_sides(figure, plotter, mesh, lens.side, room)
     figure.figimage(snapshot(plotter), 0, FOOT, origin="upper", zorder=-1)
@@ -99,6 +96,15 @@ def map_on_lens(
         figure.text(0.03, 0.06, "no ray passes: the lens is bare", size=10, color=INK)
     maps.small_print(figure, f"{EYE[lens.side]} lens as worn, seen from the front, above and the temporal side")
     return maps.figure_array(figure)
+
+
+def draw_lens(plotter: pv.Plotter, lens: Lens, wearer: Wearer, mesh: LensMesh, layer: tuple[LensMap, Bands]) -> None:
+    """Put a worn lens on a stage: its body, a map with its bands on it, and its reference marks."""
+    _add_body(plotter, mesh)
+    _add_map(plotter, mesh, *layer)
+    pose = worn_pose(lens, wearer.wear)
+    for name, point in lens.points.named().items():
+        _add_mark(plotter, lens, pose, name, point)
 
 
 def _add_body(plotter: pv.Plotter, mesh: LensMesh) -> None:
@@ -170,7 +176,7 @@ def _add_mark(plotter: pv.Plotter, lens: Lens, pose: WornPose, name: str, point:
                 plotter.add_mesh(pv.lines_from_points(line), color=colour, line_width=width * FINENESS, lighting=False)
 
 
-def _look(plotter: pv.Plotter, mesh: LensMesh, side: str) -> None:
+def look_at_lens(plotter: pv.Plotter, mesh: LensMesh, side: str) -> None:
     """Stand before the wearer, above and on the temporal side of the lens, and fill the stage with it."""
     direction = np.array(_VIEW) * (-1 if side == "R" else 1, 1, 1)
     middle = np.array(mesh.front.center)

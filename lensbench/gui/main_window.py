@@ -1,0 +1,458 @@
+"""The main window: tree and forms on the left, linked viewports in the middle, readings and log below."""
+
+import base64
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QByteArray, QSettings, Qt
+from PySide6.QtGui import QAction, QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDockWidget,
+    QFileDialog,
+    QFormLayout,
+    QMainWindow,
+    QMessageBox,
+    QPlainTextEdit,
+    QScrollArea,
+    QTabWidget,
+    QToolBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from .. import __version__
+from ..errors import LensBenchError
+from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
+from ..optics.materials import MATERIALS
+from ..session import SPLITS, Workbench, load_session, save_session
+from .document import Document
+from .fields import GROUPS, with_material
+from .files import opened
+from .form import Form
+from .lane import Lane
+from .pictures import PictureActions
+from .readings_panel import PointsTable, ProbePanel, ToleranceTable
+from .reports import ReportRunner
+from .scene_source import answer_with_scene
+from .table_tree import TableTree
+from .theme import set_theme
+from .viewport import Viewport, grid
+
+MOST_RECENT = 8
+SESSION_FILES = "Session (*.lensbench.json)"
+
+
+class MainWindow(QMainWindow):
+    """Everything that is seen. Holds the document and the lane; panels only know these two."""
+
+    def __init__(self, settings: QSettings | None = None) -> None:
+        super().__init__()
+        self.settings = settings or QSettings("LensBench", "LensBench")
+        self.document, self.lane = Document(), Lane()
+        self.session_path: Path | None = None
+        self.probe: Probe | None = None
+        self._flip_to: int | None = None
+        self._asked: tuple[Any, ...] | None = None
+        self.viewports = [Viewport(self.document, self.lane, k) for k in range(max(SPLITS))]
+        self.pictures = PictureActions(self)
+        self.reports = ReportRunner(self)
+        self._central = QWidget()
+        self._central_layout = QVBoxLayout(self._central)
+        self._central_layout.setContentsMargins(3, 3, 3, 3)
+        self.setCentralWidget(self._central)
+        self._build_docks()
+        self._build_menus()
+        for viewport in self.viewports:
+            viewport.pointed.connect(self.point_at)
+            viewport.said.connect(self.say)
+            viewport.acted.connect(self._act)
+            viewport.turned.connect(self._link_cameras)
+        self.lane.answered.connect(self._answered)
+        self.lane.failed.connect(self._failed)
+        self.document.changed.connect(self.show_bench)
+        self.document.history.connect(self._show_history)
+        self.setAcceptDrops(True)
+        self.resize(1500, 940)
+        self._theme(bool(self.settings.value("dark", False, type=bool)))
+        self.show_bench(None, self.document.workbench)
+
+    # ---- building ----
+
+    def _build_docks(self) -> None:
+        self.tree = TableTree(self.document)
+        self.forms = QToolBox()
+        for title, fields in GROUPS.items():
+            self.forms.addItem(self._scrolled(Form(self.document, fields)), title)
+        self.material = QComboBox(editable=False)
+        self.material.addItems(list(MATERIALS))
+        self.material.activated.connect(
+            lambda: self.attempt(
+                lambda: self.document.edit("Material", lambda bench: with_material(bench, self.material.currentText()))
+            )
+        )
+        self.distances = QComboBox()
+        for name, distance in (
+            ("objects at the proximity below", None), ("objects of the scene", "scene"), ("the wearer's distances", "model"),
+        ):  # fmt: skip
+            self.distances.addItem(name, distance)
+        self.distances.activated.connect(self._choose_distance)
+        self.rule = QComboBox()
+        for name, rule in (
+            ("least blur on the retina", "retina"), ("least ellipse at the object", "object"), ("signed axes cancel (2010)", "paper"),
+        ):  # fmt: skip
+            self.rule.addItem(name, rule)
+        self.rule.activated.connect(
+            lambda: self.document.edit(
+                "Accommodation rule", lambda bench: replace(bench, accommodation=self.rule.currentData())
+            )
+        )
+        left = QWidget()
+        layout = QVBoxLayout(left, spacing=4)
+        layout.setContentsMargins(2, 2, 2, 2)
+        layout.addWidget(self.tree, 2)
+        choices = QFormLayout(labelAlignment=Qt.AlignmentFlag.AlignRight, verticalSpacing=3)
+        for text, box in (
+            ("Material", self.material), ("Maps show", self.distances), ("Eye accommodates for", self.rule),
+        ):  # fmt: skip
+            choices.addRow(text, box)
+        layout.addLayout(choices)
+        layout.addWidget(self.forms, 5)
+        self._dock("Table", left, Qt.DockWidgetArea.LeftDockWidgetArea)
+        self.points, self.tolerances, self.probe_panel = PointsTable(), ToleranceTable(), ProbePanel()
+        self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=500)
+        tabs = QTabWidget()
+        for title, widget in (
+            ("Reference points", self.points), ("Against the order", self.tolerances), ("Log", self.log),
+        ):  # fmt: skip
+            tabs.addTab(widget, title)
+        self._dock("Readings", tabs, Qt.DockWidgetArea.BottomDockWidgetArea)
+        self._dock("Probe", self.probe_panel, Qt.DockWidgetArea.BottomDockWidgetArea)
+        docks = [self.findChild(QDockWidget, name) for name in ("Readings", "Probe")]
+        self.resizeDocks(docks, [1000, 330], Qt.Orientation.Horizontal)
+        self.resizeDocks(docks, [190, 190], Qt.Orientation.Vertical)
+        self.resizeDocks([self.findChild(QDockWidget, "Table")], [390], Qt.Orientation.Horizontal)
+
+    def _scrolled(self, widget: QWidget) -> QScrollArea:
+        area = QScrollArea(widgetResizable=True)
+        area.setFrameShape(QScrollArea.Shape.NoFrame)
+        area.setWidget(widget)
+        return area
+
+    def _dock(self, title: str, widget: QWidget, area: Qt.DockWidgetArea) -> None:
+        dock = QDockWidget(title, self)
+        dock.setObjectName(title)
+        dock.setWidget(widget)
+        self.addDockWidget(area, dock)
+
+    def _build_menus(self) -> None:
+        file = self.menuBar().addMenu("&File")
+        self._action(file, "&Open…", self.ask_open, QKeySequence.StandardKey.Open)
+        self.recent = file.addMenu("Open &recent")
+        self._action(file, "&Save session", self.ask_save, QKeySequence.StandardKey.Save)
+        self._action(file, "Save session &as…", lambda: self.ask_save(anew=True), QKeySequence.StandardKey.SaveAs)
+        file.addSeparator()
+        self._action(file, "&Report…", self.reports.ask_report, "Ctrl+R")
+        self._action(file, "&Compare…", self.reports.ask_comparison, "Ctrl+Shift+R")
+        file.addSeparator()
+        self._action(file, "&Quit", self.close, QKeySequence.StandardKey.Quit)
+        edit = self.menuBar().addMenu("&Edit")
+        self.undo = self._action(edit, "&Undo", self.document.undo, QKeySequence.StandardKey.Undo)
+        self.redo = self._action(edit, "&Redo", self.document.redo, QKeySequence.StandardKey.Redo)
+        self._action(edit, "&Take lens off the table", self._remove_lens, QKeySequence.StandardKey.Delete)
+        view = self.menuBar().addMenu("&View")
+        group = QActionGroup(self)
+        self.splits = {}
+        for split in SPLITS:
+            action = self._action(
+                view, f"{split} viewport{'s' * (split > 1)}", partial(self._split, split), f"Ctrl+{split}"
+            )
+            action.setCheckable(True)
+            group.addAction(action)
+            self.splits[split] = action
+        view.addSeparator()
+        self._action(view, "&Flip between two lenses", self.flip, "Space")
+        self._action(view, "Difference of the two lenses", self._difference, "Ctrl+D")
+        self._action(view, "&Stop computing", self.stop, "Esc")
+        self._action(view, "Full screen", self._full_screen, "F11")
+        self.dark = self._action(view, "&Dark", lambda: self._theme(self.dark.isChecked()))
+        self.dark.setCheckable(True)
+        docks = view.addMenu("Panels")
+        for dock in self.findChildren(QDockWidget):
+            docks.addAction(dock.toggleViewAction())
+        self._action(self.menuBar().addMenu("&Help"), "&About", self._about)
+        self._show_recent()
+        self._show_history()
+
+    def _action(self, menu: Any, text: str, run: Callable[[], Any], key: Any = None) -> QAction:
+        action = menu.addAction(text, lambda *_: run())
+        if key is not None:
+            action.setShortcut(QKeySequence(key))
+        return action
+
+    # ---- showing ----
+
+    def show_bench(self, old: Workbench | None, new: Workbench) -> None:
+        """Show the workbench: layout, title, readings."""
+        if old is None or old.split != new.split:
+            self._lay_out(new.split)
+        if old is not None and old.lens != new.lens and old.lens < len(new.lenses):
+            self._flip_to = old.lens
+        self.distances.setCurrentIndex(
+            max(0, self.distances.findData(new.distance)) if isinstance(new.distance, str) else 0
+        )
+        self.rule.setCurrentIndex(self.rule.findData(new.accommodation))
+        lens = new.active_lens
+        self.material.setEnabled(lens is not None)
+        if lens is not None:
+            known = self.material.findText(lens.material.name)
+            self.material.setCurrentIndex(known)
+            self.material.setPlaceholderText(lens.material.name)
+        self._ask_readings(new)
+
+    def _lay_out(self, split: int) -> None:
+        for viewport in self.viewports:
+            viewport.setParent(None)
+        while (item := self._central_layout.takeAt(0)) is not None:
+            if item.widget() is not None:
+                item.widget().deleteLater()
+        self._central_layout.addWidget(grid(self.viewports, split))
+        for viewport in self.viewports[:split]:
+            viewport.show_bench(None, self.document.workbench)
+        self.splits[split].setChecked(True)
+
+    def _ask_readings(self, bench: Workbench) -> None:
+        lens, wearer = bench.active_lens, bench.active_wearer
+        if lens is None or self._asked == (lens, wearer):
+            return
+        self._asked = lens, wearer
+        for asker, layer in (("points", PointsLayer()), ("tolerances", VerificationLayer())):
+            self.lane.ask(asker, partial(answer_with_scene, lens, wearer, layer, ""))
+
+    def point_at(self, point: Any, direction: Any) -> None:
+        """Read along the gaze through a lens point, or in a direction, and mark it everywhere."""
+        bench = self.document.workbench
+        sender = self.sender()
+        lens = bench.lens_of(bench.panes[sender.k]) if isinstance(sender, Viewport) else bench.active_lens
+        if lens is None:
+            return
+        layer = ProbeLayer(point, direction, bench.distance, bench.accommodation)
+        scene = bench.scene if bench.distance == "scene" else ""
+        self.lane.ask("probe", partial(answer_with_scene, lens, bench.active_wearer, layer, scene), first=True)
+
+    def _answered(self, asker: str, answer: Any) -> None:
+        if asker == "probe":
+            self.probe = answer
+            self.probe_panel.show_probe(answer)
+            for viewport in self.viewports[: self.document.workbench.split]:
+                viewport.show_probe(answer)
+        elif asker == "points":
+            self.points.show_readings(answer)
+        elif asker == "tolerances":
+            self.tolerances.show_lines(answer)
+
+    def _failed(self, asker: str, sentence: str) -> None:
+        if asker in ("points", "tolerances", "probe"):
+            self.say(sentence)
+
+    def say(self, sentence: str) -> None:
+        """A line for the log and the status bar."""
+        self.log.appendPlainText(sentence)
+        self.statusBar().showMessage(sentence, 8000)
+
+    def _show_history(self) -> None:
+        document = self.document
+        for action, name, word in ((self.undo, document.undo_name, "Undo"), (self.redo, document.redo_name, "Redo")):
+            action.setText(f"{word} {name[:1].lower()}{name[1:]}" if name else word)
+            action.setEnabled(bool(name))
+        name = self.session_path.name if self.session_path else "unnamed session"
+        self.setWindowTitle(f"{name}[*] – LensBench")
+        self.setWindowModified(document.modified)
+
+    # ---- doing ----
+
+    def attempt(self, do: Callable[[], Any]) -> bool:
+        """Do something; what is wrong is said, not raised."""
+        try:
+            do()
+        except LensBenchError as error:
+            self.say(str(error))
+            return False
+        return True
+
+    def open_files(self, paths: list[Path]) -> None:
+        """Open lenses, wearers, scenes and sessions; what cannot be read is said and changes nothing."""
+        for path in paths:
+            if path.name.endswith(".lensbench.json"):
+                self.attempt(partial(self._open_session, path))
+            else:
+                self.attempt(lambda path=path: self.document.edit(f"Open {path.name}", partial(opened, path)))
+            self._remember(path)
+
+    def _open_session(self, path: Path) -> None:
+        workbench, window = load_session(path)
+        self.session_path = path
+        self.document.open(workbench)
+        if window:
+            self.restoreState(QByteArray(base64.b64decode(window)))
+
+    def save(self, path: Path) -> bool:
+        """Save the session; whether it is now in the file."""
+        state = base64.b64encode(bytes(self.saveState().data())).decode()
+        if not self.attempt(lambda: save_session(self.document.workbench, path, state)):
+            return False
+        self.session_path = path
+        self.document.saved()
+        self._remember(path)
+        return True
+
+    def ask_open(self) -> None:
+        """Ask which files to open."""
+        names, _ = QFileDialog.getOpenFileNames(self, "Open lenses, wearers, scenes or a session", self._folder())
+        self.open_files([Path(name) for name in names])
+
+    def ask_save(self, anew: bool = False) -> bool:
+        """Save the session, asking where if it has no file yet."""
+        path = None if anew else self.session_path
+        if path is None:
+            name, _ = QFileDialog.getSaveFileName(self, "Save session", self._folder(), SESSION_FILES)
+            if not name:
+                return False
+            path = Path(name if name.endswith(".lensbench.json") else name + ".lensbench.json")
+        return self.save(path)
+
+    def flip(self) -> None:
+        """Make the lens active that was active before: A/B."""
+        bench, other = self.document.workbench, self._flip_to
+        if other is None or other == bench.lens or other >= len(bench.lenses):
+            other = (bench.lens + 1) % max(1, len(bench.lenses))
+        if other != bench.lens:
+            self.document.edit("Flip between lenses", lambda bench: replace(bench, lens=other), "flip")
+
+    def stop(self) -> None:
+        """Compute nothing more of what was asked."""
+        self.lane.drop()
+        self.reports.cancel()
+        self.say("stopped; what is shown may be older than the settings")
+
+    def _choose_distance(self) -> None:
+        chosen = self.distances.currentData()
+        self.document.edit(
+            "What maps show", lambda bench: replace(bench, distance=float(np.inf) if chosen is None else chosen)
+        )
+
+    def _split(self, split: int) -> None:
+        self.document.edit("Number of viewports", lambda bench: replace(bench, split=split))
+
+    def _difference(self) -> None:
+        bench = self.document.workbench
+        if len(bench.lenses) < 2:
+            self.say("a difference needs two lenses: open another one")
+            return
+        other = self._flip_to if self._flip_to is not None and self._flip_to < len(bench.lenses) else 0
+        other = other if other != bench.lens else (bench.lens + 1) % len(bench.lenses)
+        shown = next((k for k in range(bench.split) if bench.panes[k].kind == "map"), 0)
+        self.document.edit(
+            "Difference of two lenses", lambda b: b.with_pane(shown, kind="map", lens=b.lens, minus=other)
+        )
+
+    def _remove_lens(self) -> None:
+        k = self.tree.selected_lens()
+        if k is not None:
+            self.document.edit("Take lens off the table", lambda bench: bench.without_lens(k))
+
+    def _act(self, verb: str, k: int) -> None:
+        """What a viewport's menu asks for."""
+        if verb == "alone":
+            self._show_alone(k)
+        elif verb == "full":
+            self._show_alone(k)
+            self._full_screen()
+        else:
+            self.attempt(lambda: self.pictures.act(verb, k))
+
+    def _link_cameras(self, k: int) -> None:
+        """All stages of one kind are seen from the same place."""
+        source = self.viewports[k].content
+        for viewport in self.viewports[: self.document.workbench.split]:
+            if viewport.content is not source and type(viewport.content) is type(source):
+                viewport.content.stage.look_like(source.stage)
+
+    def _show_alone(self, k: int) -> None:
+        """The k-th viewport alone, or all again."""
+
+        def make(bench: Workbench) -> Workbench:
+            if bench.split == 1:
+                return replace(bench, split=4)
+            panes = list(bench.panes)
+            panes[0], panes[k] = panes[k], panes[0]
+            return replace(bench, split=1, panes=tuple(panes))
+
+        self.document.edit("Viewport alone", make)
+
+    def _full_screen(self) -> None:
+        self.setWindowState(self.windowState() ^ Qt.WindowState.WindowFullScreen)
+
+    def _theme(self, dark: bool) -> None:
+        set_theme(dark)
+        self.dark.setChecked(dark)
+        self.settings.setValue("dark", dark)
+
+    def _about(self) -> None:
+        QMessageBox.about(
+            self, "LensBench", f"LensBench {__version__}\nWhat a spectacle lens does, and what its wearer sees."
+        )
+
+    # ---- files ----
+
+    def _folder(self) -> str:
+        return str(self.settings.value("folder", ""))
+
+    def _remember(self, path: Path) -> None:
+        known = [str(path.absolute()), *self._recent()]
+        self.settings.setValue("recent", list(dict.fromkeys(known))[:MOST_RECENT])
+        self.settings.setValue("folder", str(path.absolute().parent))
+        self._show_recent()
+
+    def _recent(self) -> list[str]:
+        found = self.settings.value("recent", [])
+        return [found] if isinstance(found, str) else list(found or [])
+
+    def _show_recent(self) -> None:
+        self.recent.clear()
+        for name in self._recent():
+            self.recent.addAction(Path(name).name, partial(self.open_files, [Path(name)])).setToolTip(name)
+        self.recent.setEnabled(bool(self._recent()))
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if event.mimeData().hasUrls():
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        paths = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
+        self.open_files(paths)
+        event.acceptProposedAction()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        if self.document.modified and self.document.workbench.lenses and not self._may_close():
+            event.ignore()
+            return
+        self.reports.cancel()
+        self.lane.close()
+        for viewport in self.viewports:
+            viewport.close_stage()
+        event.accept()
+
+    def _may_close(self) -> bool:
+        """Ask whether to save what is not in a session file; sessions that never were saved are not worth a question."""
+        if self.session_path is None:
+            return True
+        buttons = QMessageBox.StandardButton
+        answer = QMessageBox.question(
+            self, "LensBench", "Save the changes of this session?", buttons.Save | buttons.Discard | buttons.Cancel
+        )
+        return answer == buttons.Discard or (answer == buttons.Save and self.ask_save())

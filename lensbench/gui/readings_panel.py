@@ -1,0 +1,146 @@
+"""The table of reference points, the verification against the order, and what the probe reads."""
+
+import math
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHeaderView,
+    QLabel,
+    QTableWidget,
+    QTableWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ..layers import PointReading, Probe
+from ..optics.conventions import Status, power_matrix
+from ..optics.tolerances import STANDARD, ToleranceLine
+from ..report.facts import prescription_text
+
+WITHIN, OUTSIDE = QColor("#1b7f4b"), QColor("#c0392b")
+
+
+class _Table(QTableWidget):
+    """A table to be read."""
+
+    def __init__(self, columns: list[str]) -> None:
+        super().__init__(0, len(columns))
+        self.setHorizontalHeaderLabels(columns)
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(22)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setAlternatingRowColors(True)
+        self.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+
+    def fill(self, rows: list[list[str]]) -> None:
+        """Show these cells."""
+        self.setRowCount(len(rows))
+        for j, row in enumerate(rows):
+            for i, text in enumerate(row):
+                item = QTableWidgetItem(text)
+                side = Qt.AlignmentFlag.AlignLeft if i == 0 else Qt.AlignmentFlag.AlignRight
+                item.setTextAlignment(int(side | Qt.AlignmentFlag.AlignVCenter))
+                self.setItem(j, i, item)
+
+
+class PointsTable(_Table):
+    """Ordered, by focimeter and as worn, point by point."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            [
+                "Point",
+                "x, y (mm)",
+                "Gaze left, up (°)",
+                "Focimeter (D)",
+                "As worn (D)",
+                "Prism, base (cm/m, °)",
+                "Less order (D)",
+            ]
+        )
+
+    def show_readings(self, readings: tuple[PointReading, ...]) -> None:
+        """Show what was read."""
+        self.fill([_point_row(reading) for reading in readings])
+
+
+def _point_row(r: PointReading) -> list[str]:
+    place = [r.name.replace("_", " "), f"{r.x:.1f}, {r.y:.1f}"]
+    if r.status != "OK":
+        return [*place, f"no ray: {r.status.lower().replace('_', ' ')}"]
+    return [
+        *place,
+        f"{r.azimuth:.1f}, {r.elevation:.1f}",
+        prescription_text(power_matrix(r.lensmeter_sphere, r.lensmeter_cylinder, r.lensmeter_axis)),
+        prescription_text(power_matrix(r.sphere, r.cylinder, r.axis)),
+        f"{r.prism:.2f}, {r.prism_base:.0f}" if r.prism >= 0.005 else "0.00",
+        "–" if r.mean_error is None else f"{r.mean_error:+.2f}",
+    ]
+
+
+class ToleranceTable(_Table):
+    """Focimeter readings against the order with their tolerances."""
+
+    def __init__(self) -> None:
+        super().__init__(["By focimeter", "Ordered", "Measured", "Deviation", "Tolerance", STANDARD])
+
+    def show_lines(self, lines: tuple[ToleranceLine, ...]) -> None:
+        """Show a verification."""
+        self.fill([_tolerance_row(line) for line in lines])
+        for j, line in enumerate(lines):
+            self.item(j, 5).setForeground(WITHIN if line.within else OUTSIDE)
+
+
+def _tolerance_row(line: ToleranceLine) -> list[str]:
+    values = [f"{v:.2f}" for v in (line.ordered, line.measured, line.deviation)]
+    verdict = "within" if line.within else f"outside by {line.excess:.2f}"
+    return [f"{line.name.replace('_', ' ')} ({line.unit})", *values, f"± {line.tolerance:.2f}", verdict]
+
+
+class ProbePanel(QWidget):
+    """What is read where the pointer is."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.text = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse, wordWrap=True)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.text)
+        layout.addStretch(1)
+        self.show_probe(None)
+
+    def show_probe(self, probe: Probe | None) -> None:
+        """Show readings."""
+        self.text.setText("Point at a lens or at the view." if probe is None else probe_text(probe))
+
+
+def probe_text(p: Probe) -> str:
+    """The readings of a gaze as a small table in HTML."""
+    rows = [
+        ("Gaze left, up", f"{p.azimuth:.1f}°, {p.elevation:.1f}°"),
+        ("Lens x, y", f"{p.point[0]:.1f}, {p.point[1]:.1f} mm"),
+    ]
+    if p.status != Status.OK:
+        reason = Status(p.status).name.lower().replace("_", " ")
+        return _table([("No ray", reason)])
+    if math.isinf(p.distance):
+        rows.append(("Object", "at infinity"))
+    else:
+        rows.append(("Object", f"{p.distance / 10:.1f} cm" if p.distance < 1000 else f"{p.distance / 1000:.2f} m"))
+        rows.append(("Ellipse of confusion", f"{2 * p.semi_major:.2f} × {2 * p.semi_minor:.2f} mm"))
+    rows += [
+        ("Power as worn", f"{prescription_text(power_matrix(p.sphere, p.cylinder, p.axis))} D"),
+        ("Mean power", f"{p.mean_power:+.2f} D"),
+        ("Prism, base", f"{p.prism:.2f} cm/m, {p.prism_base:.0f}°"),
+        ("Accommodation in use", f"{p.accommodation:.2f} D"),
+        ("Blur 2|ε|", f"{p.defocus:.1f}′"),
+    ]
+    return _table(rows)
+
+
+def _table(rows: list[tuple[str, str]]) -> str:
+    cells = "".join(
+        f"<tr><td style='padding-right:12px'>{name}</td><td><b>{value}</b></td></tr>" for name, value in rows
+    )
+    return f"<table>{cells}</table>"

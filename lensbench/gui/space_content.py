@@ -1,0 +1,142 @@
+"""The worn lens in space with a map on it, and the ellipses of confusion in space."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QVBoxLayout
+
+from ..layers import EllipseLayer, EllipseSheet, LensMap, MapLayer, Probe
+from ..optics.eye import Wearer
+from ..optics.gaze import worn_pose
+from ..optics.lens import Lens
+from ..session import Pane, Workbench
+from ..views.bands import map_bands
+from ..views.ellipses import draw_ellipses, ellipse_bands, fitting_exaggeration, look_along
+from ..views.lens3d import LensMesh, draw_lens, lens_mesh, look_at_lens
+from .colour_bar import ColourBar
+from .content import Content
+from .map_content import SAMPLES
+from .scene_source import answer_with_scene
+from .stage_widget import StageWidget
+
+RINGS, AROUND = 30, 180
+
+
+class SpaceContent(Content):
+    """A stage with a colour bar below. camera_moved(): by the user."""
+
+    camera_moved = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.stage, self.bar = StageWidget(), ColourBar()
+        layout = QVBoxLayout(self, spacing=0)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.stage, 1)
+        layout.addWidget(self.bar)
+        self.stage.turned.connect(self.camera_moved)
+
+    def close_stage(self) -> None:
+        self.stage.close_stage()
+
+
+class LensContent(SpaceContent):
+    """The worn lens, a map on its front surface."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lens: tuple[Lens, Wearer, LensMesh] | None = None
+        self._looked: tuple[Any, ...] = ()
+        self.stage.hovered.connect(self._hovered)
+
+    def question(self, bench: Workbench, pane: Pane) -> Any:
+        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        if lens is None:
+            return None
+        layer = MapLayer(pane.quantity, bench.distance, bench.accommodation, SAMPLES)
+        scene = bench.scene if bench.distance == "scene" else ""
+        return (lens, wearer, layer, scene, pane), partial(_lens_answer, lens, wearer, layer, scene)
+
+    def show_answer(self, answer: tuple[LensMap, LensMesh], bench: Workbench, pane: Pane) -> None:
+        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        assert lens is not None
+        lens_map, mesh = answer
+        limits = None if pane.low is None or pane.high is None else (pane.low, pane.high)
+        bands = map_bands(lens, lens_map, pane.step, limits)
+        self._lens = lens, wearer, mesh
+
+        def put(plotter: Any) -> None:
+            draw_lens(plotter, lens, wearer, mesh, (lens_map, bands))
+            if self._looked != (lens.side, lens.outline):
+                self._looked = lens.side, lens.outline
+                look_at_lens(plotter, mesh, lens.side)
+
+        rim = np.asarray(mesh.edge.points)
+        left, right = ("temporal", "nasal") if lens.side == "R" else ("nasal", "temporal")
+        self.stage.words = [(rim[np.argmin(rim[:, 0])], left), (rim[np.argmax(rim[:, 0])], right)]
+        self.stage.draw(put)
+        self.bar.show_bands(bands, lens_map.label, lens_map.unit)
+
+    def show_probe(self, probe: Probe | None) -> None:
+        self.stage.mark = None if probe is None else probe.exit
+        self.stage.update()
+
+    def _hovered(self, across: float, up: float) -> None:
+        """Where the line of sight under the pointer meets the front surface (found on its mesh)."""
+        if self._lens is None or self.stage.stage is None:
+            return
+        lens, wearer, mesh = self._lens
+        renderer = self.stage.stage.renderer
+        ends = []
+        for depth in (0.0, 1.0):
+            renderer.SetViewPoint(across, up, 2 * depth - 1)
+            renderer.ViewToWorld()
+            ends.append(np.array(renderer.GetViewPoint()))
+        points, _ = mesh.front.ray_trace(*ends)
+        if len(points):
+            at = min(points, key=lambda p: float(np.linalg.norm(p - ends[0])))
+            x, y, _z = worn_pose(lens, wearer.wear).to_lens(at)
+            self.pointed.emit((float(x), float(y)), None)
+
+
+def _lens_answer(lens: Lens, wearer: Wearer, layer: MapLayer, scene: str) -> tuple[LensMap, LensMesh]:
+    lens_map = answer_with_scene(lens, wearer, layer, scene)
+    return lens_map, lens_mesh(lens, worn_pose(lens, wearer.wear), RINGS, AROUND)
+
+
+class EllipsesContent(SpaceContent):
+    """The eye, the lens, and ellipses of confusion at the depths of the workbench."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._looked: tuple[float, ...] = ()
+
+    def question(self, bench: Workbench, pane: Pane) -> Any:
+        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        layer = EllipseLayer(bench.depths, 20, accommodation=bench.accommodation)
+        return (lens, wearer, layer, pane), partial(answer_with_scene, lens, wearer, layer, "")
+
+    def show_answer(self, answer: tuple[EllipseSheet, ...], bench: Workbench, pane: Pane) -> None:
+        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        bands = ellipse_bands(answer, wearer)
+        sheets = [(sheet, fitting_exaggeration(sheet)) for sheet in answer]
+
+        def put(plotter: Any) -> None:
+            corners = draw_ellipses(plotter, lens, wearer, sheets, bands)
+            self.stage.words = [
+                (corner[1], f"{sheet.depth:g} mm" + (f", ×{factor:g}" if factor != 1 else ""))
+                for corner, (sheet, factor) in zip(corners, sheets, strict=True)
+            ]
+            if self._looked != bench.depths:
+                self._looked = bench.depths
+                look_along(plotter, wearer, np.concatenate(corners))
+
+        self.stage.draw(put)
+        self.bar.show_bands(bands, "Major diameter of the ellipses seen from the eye", "arcmin")
+
+    def show_probe(self, probe: Probe | None) -> None:
+        nearest = min(self._looked, default=0.0)
+        self.stage.mark = None if probe is None else probe.exit + nearest * probe.outgoing
+        self.stage.update()

@@ -1,0 +1,171 @@
+"""The simulated view in its viewport: every pass is shown as it comes. Drag: turn the head; with Ctrl: the eye."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt, QTimer
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+
+from ..layers import Probe, SeenScene, ViewLayer
+from ..session import Pane, Workbench
+from ..views.jitter import JitterPass
+from ..views.offscreen import require_gl
+from .content import Content, say_nothing
+from .scene_source import answer_with_scene
+
+PASSES, TURN = 48, 0.15  # degrees a pixel of dragging
+MOST_PIXELS = 420_000
+MARK = QColor("#d81b60")
+
+
+class ViewContent(Content):
+    """What the wearer sees; the pointer tells what it meets."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setMouseTracking(True)
+        self.setMinimumSize(160, 120)
+        self.seen: SeenScene | None = None
+        self._view: JitterPass | None = None
+        self._window: Any = None
+        self._pixels = vtkUnsignedCharArray()
+        self._image = QImage()
+        self._last: QPointF | None = None
+        self._probe: Probe | None = None
+        self._next = QTimer(self, interval=0)
+        self._next.timeout.connect(self._one_pass)
+
+    def question(self, bench: Workbench, pane: Pane) -> Any:
+        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        eye = pane.eye if lens is not None or pane.eye in ("naked", "perfect") else "naked"
+        layer = ViewLayer(
+            eye,
+            *np.radians([pane.azimuth, pane.elevation, pane.width / 2]).tolist(),
+            size=self._size(),
+            accommodation=bench.accommodation,
+            head_turn=float(np.radians(bench.head_turn)),
+            head_tilt=float(np.radians(bench.head_tilt)),
+            split=pane.split and lens is not None,
+        )
+        return (lens, wearer, layer, bench.scene), partial(answer_with_scene, lens, wearer, layer, bench.scene)
+
+    def show_answer(self, answer: SeenScene, bench: Workbench, pane: Pane) -> None:
+        self.seen = answer
+        if self._view is None:
+            require_gl()
+            self._window, renderer = vtkRenderWindow(), vtkRenderer()
+            self._window.SetOffScreenRendering(True)
+            self._window.AddRenderer(renderer)
+            self._window.SetSize(*answer.layer.size)
+            self._view = JitterPass(self._window, renderer, PASSES)
+        self._window.SetSize(*answer.layer.size)
+        self._view.show(answer)
+        self._one_pass()
+        self._next.start()
+
+    def show_probe(self, probe: Probe | None) -> None:
+        self._probe = probe
+        self.update()
+
+    def close_stage(self) -> None:
+        self._next.stop()
+        if self._view is not None:
+            self._view.close()
+            self._window.Finalize()
+            self._view = self._window = None
+
+    def light(self) -> Any:
+        """The mean light (h, w, 3) of the passes so far; None before the first."""
+        return self._view.light() if self._view is not None else None
+
+    @property
+    def passes(self) -> int:
+        """Passes in the picture so far."""
+        return self._view.count if self._view is not None else 0
+
+    def _size(self) -> tuple[int, int]:
+        """Pixels to draw: those of the widget, fewer where they would be too many to follow a hand."""
+        width, height = (max(32, round(n * self.devicePixelRatioF())) for n in (self.width(), self.height()))
+        scale = min(1.0, (MOST_PIXELS / (width * height)) ** 0.5)
+        return round(width * scale), round(height * scale)
+
+    def _one_pass(self) -> None:
+        if self._view is None or self._view.done:
+            self._next.stop()
+            return
+        self._window.Render()
+        width, height = self._window.GetSize()
+        self._window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, self._pixels)
+        pixels = np.ascontiguousarray(vtk_to_numpy(self._pixels).reshape(height, width, 4)[::-1])
+        self._image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888).copy()
+        self.update()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
+        if self._image.isNull():
+            say_nothing(self, painter, "")
+            return
+        painter.drawImage(QRectF(self.rect()), self._image)
+        spot = self._on_widget(self._probe)
+        if spot is not None:
+            painter.setPen(QPen(MARK, 2))
+            painter.drawEllipse(spot, 7, 7)
+            painter.drawPoint(spot)
+
+    def _on_widget(self, probe: Probe | None) -> QPointF | None:
+        """Where a gaze of the worn lens is in the picture."""
+        if probe is None or self.seen is None or not np.isfinite(probe.direction).all():
+            return None
+        local = self.seen.frame @ self.seen.head @ probe.direction
+        if local[2] < 0.1:
+            return None
+        scale = self.width() / 2 / np.tan(self.seen.layer.half_width)
+        return QPointF(self.width() / 2 - scale * local[0] / local[2], self.height() / 2 - scale * local[1] / local[2])
+
+    def _direction(self, here: QPointF) -> tuple[float, ...]:
+        """The gaze (3,) of a place on the widget, wear frame of the head."""
+        assert self.seen is not None
+        scale = self.width() / 2 / np.tan(self.seen.layer.half_width)
+        local = np.array([(self.width() / 2 - here.x()) / scale, (self.height() / 2 - here.y()) / scale, 1.0])
+        direction = self.seen.head.T @ self.seen.frame.T @ local
+        return tuple(float(v) for v in direction / np.linalg.norm(direction))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self.wants_edit.emit("", lambda bench: bench, "resize")
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        self._last = event.position()
+
+    def mouseReleaseEvent(self, _event: QMouseEvent) -> None:
+        self._last = None
+        self.wants_edit.emit("", lambda bench: bench, "")
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        here = event.position()
+        if self._last is None or not event.buttons() & Qt.MouseButton.LeftButton:
+            if self.seen is not None and self.seen.layer.through_lens:
+                self.pointed.emit(None, self._direction(here))
+            return
+        step, self._last = here - self._last, here
+        left, up = -TURN * step.x(), TURN * step.y()
+        if event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            self.wants_edit.emit("Turn of the eye", partial(self._turn_eye, left, up), "eye")
+        else:
+            self.wants_edit.emit("Turn of the head", partial(_turn_head, left, up), "head")
+
+    def _turn_eye(self, left: float, up: float, bench: Workbench, k: int = 0) -> Workbench:
+        pane = bench.panes[k]
+        azimuth, elevation = np.clip([pane.azimuth - left, pane.elevation + up], -80, 80).tolist()
+        return bench.with_pane(k, azimuth=azimuth, elevation=elevation)
+
+
+def _turn_head(left: float, up: float, bench: Workbench) -> Workbench:
+    turn, tilt = np.clip([bench.head_turn - left, bench.head_tilt + up], -60, 60).tolist()
+    return replace(bench, head_turn=turn, head_tilt=tilt)
