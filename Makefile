@@ -3,8 +3,10 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libopengl0
+WINDOW_PACKAGES := $(GL_PACKAGES) xvfb libdbus-1-3 libfontconfig1 libglib2.0-0 libxcb-cursor0 libxcb-icccm4 libxcb-image0 \
+	libxcb-keysyms1 libxcb-randr0 libxcb-render-util0 libxcb-shape0 libxcb-xfixes0 libxcb-xkb1 libxkbcommon-x11-0
 
-.PHONY: report gallery test bench check graphics clean
+.PHONY: report gallery test bench check graphics window clean
 
 report: $(VENV)/.report graphics
 	$(BIN)/lensbench report sample_lenses/regular_R.toml --wearer sample_lenses/presbyope_60.toml -o reports/regular_R
@@ -17,13 +19,13 @@ gallery: $(VENV)/.report graphics
 test: check
 	$(BIN)/python -m pytest -n auto
 
-check: $(VENV)/.dev graphics
+check: $(VENV)/.dev window
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-bench: $(VENV)/.dev graphics
+bench: $(VENV)/.dev window
 	$(BIN)/python -m benchmarks
 
 $(VENV)/bin/python:
@@ -39,15 +41,25 @@ $(VENV)/.dev: pyproject.toml | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --editable ".[dev]"
 	@touch $@
 
+# $(call needs,FILES,PACKAGES,WHY): Debian packages, if one of these libraries or programs is missing on a Linux machine.
+define needs
+	@if [ "$$(uname)" != Linux ]; then exit 0; fi; missing=""; \
+	for file in $(1); do ldconfig -p | grep -q "$$file" || command -v "$$file" >/dev/null || missing="$$missing $$file"; done; \
+	if [ -z "$$missing" ]; then exit 0; \
+	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		apt-get update -qq && apt-get install -y -qq --no-install-recommends $(2); \
+	else \
+		echo "$(3), and this machine lacks:$$missing. On Debian or Ubuntu:"; echo "    sudo apt-get install $(2)"; exit 1; \
+	fi
+endef
+
 # Pictures are drawn off screen by OpenGL; Mesa's software driver is enough.
 graphics:
-	@if [ "$$(uname)" != Linux ] || ldconfig -p | grep -q libEGL.so.1; then exit 0; \
-	elif [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
-		apt-get update -qq && apt-get install -y -qq --no-install-recommends $(GL_PACKAGES); \
-	else \
-		echo "LensBench draws with OpenGL, and libEGL.so.1 is not installed. On Debian or Ubuntu:"; \
-		echo "    sudo apt-get install $(GL_PACKAGES)"; exit 1; \
-	fi
+	$(call needs,libEGL.so.1,$(GL_PACKAGES),LensBench draws with OpenGL)
+
+# The window's tests open it on a virtual screen.
+window:
+	$(call needs,libEGL.so.1 Xvfb libxcb-cursor.so.0 libxcb-icccm.so.4 libxkbcommon-x11.so.0,$(WINDOW_PACKAGES),The window needs Qt)
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache

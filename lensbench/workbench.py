@@ -306,7 +306,7 @@ def probe(layer: ProbeLayer, request: Request) -> Probe:
     if layer.point is not None:
         field = look_through(lens, wearer, [layer.point[0]], [layer.point[1]])
     else:
-        field = trace(lens, wearer, [layer.direction])
+        field = trace(lens, wearer, np.array([layer.direction], dtype=float))
     if field.status[0] != Status.OK:
         return read_probe(field, np.nan, 0.0)
     return read_probe(field, _object_distance(layer.distance, field, request), layer.accommodation)

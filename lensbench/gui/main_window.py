@@ -103,7 +103,8 @@ class MainWindow(QMainWindow):
         self.distances.activated.connect(self._choose_distance)
         self.rule = QComboBox()
         for name, rule in (
-            ("least blur on the retina", "retina"), ("least ellipse at the object", "object"), ("signed axes cancel (2010)", "paper"),
+            ("least blur on the retina", "retina"), ("least ellipse at the object", "object"),
+            ("signed axes that cancel", "paper"),
         ):  # fmt: skip
             self.rule.addItem(name, rule)
         self.rule.activated.connect(

@@ -1,0 +1,94 @@
+"""The lane: one thread, the newest question of each asker wins, errors are sentences, closing waits."""
+
+import threading
+
+import pytest
+
+from lensbench.errors import InputError
+from lensbench.gui.lane import Lane
+
+
+@pytest.fixture
+def lane(qtbot):
+    lane = Lane()
+    lane.heard = []
+    lane.answered.connect(lambda asker, answer: lane.heard.append((asker, answer)))
+    lane.failed.connect(lambda asker, sentence: lane.heard.append((asker, sentence)))
+    yield lane
+    lane.close()
+
+
+def held(lane, gate, asker="map"):
+    """Keep the lane at work until the gate opens."""
+    begun = threading.Event()
+
+    def question():
+        begun.set()
+        gate.wait(10)
+        return "held"
+
+    lane.ask(asker, question)
+    assert begun.wait(10)
+
+
+def test_only_the_newest_is_answered(lane, qtbot):
+    gate, asked = threading.Event(), []
+    held(lane, gate)
+    for k in range(40):
+        lane.ask("map", lambda k=k: asked.append(k) or k)
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        gate.set()
+    assert asked == [39]
+    assert lane.heard == [("map", 39)]
+
+
+def test_askers_do_not_displace_each_other_and_the_urgent_goes_first(lane, qtbot):
+    gate = threading.Event()
+    held(lane, gate, "view")
+    lane.ask("map", lambda: "map")
+    lane.ask("profile", lambda: "profile")
+    lane.ask("probe", lambda: "probe", first=True)
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        gate.set()
+    assert lane.heard == [("view", "held"), ("probe", "probe"), ("map", "map"), ("profile", "profile")]
+
+
+def test_dropped_questions_stay_unanswered(lane, qtbot):
+    gate = threading.Event()
+    held(lane, gate)
+    lane.ask("profile", lambda: "profile")
+    lane.drop()
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        gate.set()
+    assert lane.heard == []
+
+
+def test_errors_are_one_sentence(lane, qtbot):
+    def wrong(error):
+        raise error
+
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        lane.ask("map", lambda: wrong(InputError("lens.toml: radius: must not be 0")))
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        lane.ask("map", lambda: wrong(ZeroDivisionError("oh")))
+    assert lane.heard == [("map", "lens.toml: radius: must not be 0"), ("map", "ZeroDivisionError: oh")]
+
+
+def test_all_is_computed_in_one_thread_that_is_not_ours(lane, qtbot):
+    threads = []
+    for asker in ("a", "b", "c"):
+        lane.ask(asker, lambda: threads.append(threading.get_ident()))
+    qtbot.waitUntil(lambda: len(threads) == 3, timeout=10000)
+    assert len(set(threads)) == 1
+    assert threads[0] != threading.get_ident()
+
+
+def test_closing_while_computing_waits_and_says_nothing(qtbot):
+    lane, gate, heard = Lane(), threading.Event(), []
+    lane.answered.connect(lambda *answer: heard.append(answer))
+    held(lane, gate)
+    lane.ask("map", lambda: "later")
+    threading.Timer(0.1, gate.set).start()
+    lane.close()
+    qtbot.wait(50)
+    assert heard == []
