@@ -1,6 +1,6 @@
 """Two lenses for one face, as a whole: a PairRequest goes in, maps over the common gaze and the convergence path come out."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +79,7 @@ class PairResult:
     """What there is to say of a pair."""
 
     path: ConvergencePath
-    maps: dict[str, PairMap] = field(default_factory=dict)
+    maps: dict[str, PairMap]
 
 
 def run_pair(request: PairRequest) -> PairResult:

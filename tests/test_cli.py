@@ -52,6 +52,16 @@ def test_map_as_csv(tmp_path, capsys):
     assert capsys.readouterr().out.strip() == str(path)
 
 
+def test_maps_at_the_wearers_distances(capsys):
+    seen = []
+    for distance in ("inf", "model"):
+        assert main(["map", REGULAR, "-q", "defocus", "-d", distance, "--json"]) == 0
+        seen.append(np.array(json.loads(capsys.readouterr().out)["values"], dtype=float))
+    middle = seen[0].shape[1] // 2
+    assert seen[0][-5, middle] == seen[1][-5, middle]
+    assert seen[0][20, middle] > 1.5 * seen[1][20, middle]
+
+
 def test_ellipses_as_csv_and_json(tmp_path, capsys):
     path = tmp_path / "eoc.csv"
     assert main(["eoc", REGULAR, "--depths", "30cm", "2m", "-n", "6", "-o", str(path)]) == 0

@@ -142,4 +142,9 @@ def test_distortion_command(tmp_path, capsys):
     found = json.loads(capsys.readouterr().out)
     assert np.shape(found["object"]) == (3, 3, 2)
     assert found["depth"] == "inf"
+    table = tmp_path / "grid.csv"
+    assert main(["distortion", REGULAR, "-n", "3", "-o", str(table)]) == 0
+    rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
+    assert [row["status"] for row in rows].count("OK") >= 5
+    assert float(rows[4]["apparent_x"]) == pytest.approx(found["apparent"][1][1][0], abs=1e-5)
     assert found["apparent"][1][1] == pytest.approx(found["object"][1][1], abs=0.05)

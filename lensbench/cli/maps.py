@@ -63,7 +63,7 @@ def _add_against(verbs: Any) -> None:
 
 def _add_distortion(verbs: Any) -> None:
     verb = add_verb(
-        verbs, "distortion", write_distortion, "how the eye sees a chart of upright lines, as PNG, SVG or JSON"
+        verbs, "distortion", write_distortion, "how the eye sees a chart of upright lines, as PNG, SVG, CSV or JSON"
     )
     lens_and_wearer(verb)
     verb.add_argument(
@@ -145,10 +145,10 @@ def write_against(args: argparse.Namespace) -> None:
 def write_distortion(args: argparse.Namespace) -> None:
     """lensbench distortion LENS."""
     from ..layers import DistortionLayer, Request
-    from ..report.tables import distance_text, distortion_numbers
+    from ..report.tables import distance_text, distortion_csv, distortion_numbers
     from ..workbench import run
 
-    kind = kind_of(args.output, ".png", ".svg", ".json")
+    kind = kind_of(args.output, ".png", ".svg", ".csv", ".json")
     lens, wearer = load_case(args)
     grid = run(Request(lens, wearer, DistortionLayer(args.depth, args.n)))
 
@@ -157,7 +157,7 @@ def write_distortion(args: argparse.Namespace) -> None:
 
         return distortion_figure(lens, grid, distance_text(args.depth).replace("objects", "chart"))
 
-    deliver(args, kind, distortion_numbers(grid), str, picture)
+    deliver(args, kind, distortion_numbers(grid), partial(distortion_csv, grid), picture)
 
 
 def write_ellipses(args: argparse.Namespace) -> None:

@@ -18,7 +18,7 @@ from .lens import Lens, surface_height
 from .surfaces import Surface
 
 UNWORN = Wear()
-_STEPS = 30
+_MOST_STEPS = 60
 _LEAD = 1.0  # mm of air before the back surface
 
 
@@ -35,11 +35,8 @@ def back_vertex_power(lens: Lens, x: ArrayLike, y: ArrayLike) -> VertexPower:
 
     The vergence at the back surface of light from infinity: -D^-1 C of the transfer matrix along the back normal.
     """
-    front, back = _front_points(lens, x, y), lens.back
-    start, normal = front, np.zeros_like(front)
-    for _ in range(_STEPS):
-        normal = surface_normal(back, start[:, 0], start[:, 1])
-        start = _along(lens, front, normal, start)
+    start = _back_points(lens, _front_points(lens, x, y))
+    normal = surface_normal(lens.back, start[:, 0], start[:, 1])
     rays = _traced(lens, start, normal)
     transfer = rays.transfer
     local = np.einsum("nij,nj->ni", listing_frame(normal), rays.direction)
@@ -54,9 +51,7 @@ def front_vertex_power(lens: Lens, x: ArrayLike, y: ArrayLike) -> VertexPower:
     """
     front = _front_points(lens, x, y)
     normal = surface_normal(lens.front, front[:, 0], front[:, 1])
-    start = front
-    for _ in range(_STEPS):
-        start = _along(lens, front, normal, start)
+    start = _back_points(lens, front, normal)
     eye_side = _refracted(normal, surface_normal(lens.back, start[:, 0], start[:, 1]), lens.index)
     rays = _traced(lens, start, eye_side)
     transfer = rays.transfer
@@ -94,10 +89,19 @@ def _front_points(lens: Lens, x: ArrayLike, y: ArrayLike) -> Floats:
     return np.stack([px, py, lens.front_height(px, py)], axis=-1)
 
 
-def _along(lens: Lens, front: Floats, normal: Floats, back: Floats) -> Floats:
-    """The point where the line through `front` (n, 3) along `normal` (n, 3) comes to the height of the points `back`."""
-    way = (front[:, 2] - lens.back_height(back[:, 0], back[:, 1])) / normal[:, 2]
-    return front - way[:, None] * normal
+def _back_points(lens: Lens, front: Floats, normal: Floats | None = None) -> Floats:
+    """Points (n, 3) of the back surface that lie behind the front points (n, 3) along `normal`, or along its own normals.
+
+    Found by repetition: the error shrinks by about thickness over radius each time.
+    """
+    start = front
+    for _ in range(_MOST_STEPS):
+        along = surface_normal(lens.back, start[:, 0], start[:, 1]) if normal is None else normal
+        way = (front[:, 2] - lens.back_height(start[:, 0], start[:, 1])) / along[:, 2]
+        last, start = start, front - way[:, None] * along
+        if np.nanmax(np.abs(start - last), initial=0.0) < 1e-12:
+            break
+    return start
 
 
 def _refracted(inside: Floats, normal: Floats, index: float) -> Floats:

@@ -112,6 +112,18 @@ def distortion_numbers(grid: DistortionGrid) -> dict[str, Any]:
     }
 
 
+def distortion_csv(grid: DistortionGrid) -> str:
+    """The crossings of a chart's lines, one a line: tangents of their true and of their seen directions, and status."""
+    numbers = distortion_numbers(grid)
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["object_x", "object_y", "apparent_x", "apparent_y", "status"])
+    at, seen = numbers["object"].reshape(-1, 2), numbers["apparent"].reshape(-1, 2)
+    for true, apparent, status in zip(at, seen, numbers["status"].ravel(), strict=True):
+        writer.writerow([*(f"{value:.6g}" for value in (*true, *apparent)), Status(status).name])
+    return out.getvalue()
+
+
 def path_csv(path: ConvergencePath) -> str:
     """The convergence path, one line a lowering of the gaze."""
     columns = {

@@ -8,8 +8,8 @@ import pytest
 from scipy.interpolate import BSpline
 
 from lensbench.optics import surfaces
-from lensbench.optics.eye import Wear
-from lensbench.optics.gaze import trace_rays
+from lensbench.optics.eye import Wear, Wearer
+from lensbench.optics.gaze import trace, trace_rays
 
 batoid = pytest.importorskip("batoid")
 
@@ -77,3 +77,23 @@ def test_rays(lens_of, gazes, kind, wear):
     assert rays.entry == pytest.approx(entry, abs=1e-9)
     assert rays.exit == pytest.approx(leave, abs=1e-9)
     assert rays.direction == pytest.approx(direction, abs=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["asphere", "bicubic spline"])
+def test_as_worn_vergence_of_a_tilted_wrapped_decentred_lens(lens_of, gazes, kind):
+    """batoid's rays that leave the pupil with the slopes of the required vergence are parallel in the scene."""
+    front, twin = FRONTS[kind]
+    wearer = Wearer(wear=Wear(13.0, 0.2, 0.15, (2.5, -3.0)))
+    lens = lens_of(front, BACK[0], THICKNESS, index=INDEX)
+    field = trace(lens, wearer, gazes[::5])
+    straight = trace(lens, Wearer(wear=Wear(13.0)), gazes[::5])
+    assert np.abs(field.required_vergence() - straight.required_vergence()).max() > 0.1
+    h = 0.01
+    for gaze, vergence in zip(field.directions, field.required_vergence() / 1000, strict=True):
+        offsets = h * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])
+        across = np.array(naive.across(gaze))
+        start = wearer.centre_of_rotation + wearer.eye.pupil_from_rotation * gaze + offsets @ across
+        direction = gaze + offsets @ vergence @ across
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        _, _, out = batoid_rays(lens, wearer.wear, (BACK[1], twin), start, direction)
+        assert np.abs(out[[0, 2]] - out[[1, 3]]).max() / (2 * h) < 1e-7  # 1/mm: 0.1 mD
