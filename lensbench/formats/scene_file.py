@@ -82,7 +82,7 @@ def scene_of_tables(path: Path, data: dict[str, Any]) -> Scene:
     pieces: list[Any] = []
     for k, name in enumerate(table.meshes):
         pieces += read_meshes(_beside(path, f"meshes[{k}]", name), placing)
-    looks = {name: _place(placing, target) for name, target in table.looks.items()}
+    looks = {name: Look.at(placing.points([target])[0]) for name, target in table.looks.items()}
     more: dict[str, Any] = {"background": table.background}
     if table.environment is not None:
         e = table.environment
@@ -99,22 +99,14 @@ def _beside(path: Path, key: str, name: str) -> Path:
     return found
 
 
-def _place(placing: Placing, target: tuple[float, float, float]) -> tuple[float, float, float]:
-    x, y, z = placing.points([target])[0]
-    return float(x), float(y), float(z)
-
-
-def _scene(
-    name: str, pieces: list[Any], looks: dict[str, tuple[float, float, float]], path: Path, **more: Any
-) -> Scene:
+def _scene(name: str, pieces: list[Any], looks: dict[str, Look], path: Path, **more: Any) -> Scene:
     """The scene of the pieces; without looks of its own it has "ahead"."""
-    targets = looks or {"ahead": (0.0, 0.0, 1000.0)}
+    looks = looks or {"ahead": Look((0.0, 0.0, 1000.0), "")}
     lights = Lights(0.75, 500.0, (), ((0.4, 0.8, -0.6), 0.5))
-    named = {key: Look(target, "") for key, target in targets.items()}
-    scene = build_scene(name, f"from {path.name}", pieces, lights, named, **more)
+    scene = build_scene(name, f"from {path.name}", pieces, lights, looks, **more)
     if scene.parts and not any((part.points[:, 2] > 0).any() for part in scene.parts):
         raise InputError(f"{path}: nothing of it stands before the eye: look again at eye, ahead and unit")
-    behind = [key for key, target in targets.items() if not target[2] > 0]
+    behind = [key for key, k in looks.items() if not k.target[2] > 0]
     if behind:
         raise InputError(f"{path}: looks.{behind[0]}: lies behind the eye")
     return scene

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
 from ..errors import InputError
@@ -78,7 +78,8 @@ def build_scene(
         else:
             parts.append(piece)
     solids = [thing.solid for group in things.values() for thing in group] + [p.solid for p in painted]
-    caster = Caster([(s.points, s.triangles) for s in [*(part for _, part in bare), *solids, *parts]])
+    standing = [part for _, part in bare] + parts
+    caster = Caster([(s.points, s.triangles) for s in standing] + [(s.points, s.triangles) for s in solids])
     parts += [_lit_panel(panel, part, lights, caster) for panel, part in bare]
     parts += [_lit_things(group, lights, caster) for group in things.values()]
     parts += [_lit_paint(piece, lights, caster) for piece in painted]
@@ -107,7 +108,7 @@ def _lit_panel(panel: Panel, part: Part, lights: Lights, caster: Caster) -> Part
     if panel.shines:
         return part
     c, a, b = (np.asarray(v, dtype=float) for v in panel[1:4])
-    ratio = np.linalg.norm(a) / np.linalg.norm(b)
+    ratio = float(np.linalg.norm(a) / np.linalg.norm(b))
     columns, rows = (int(np.clip(_NODES * r, 6, 80)) for r in (min(ratio, 1.6), min(1 / ratio, 1.6)))
     u, v = (np.arange(n) * 2 / n + 1 / n - 1 for n in (columns, rows))
     points = c + u[None, :, None] * a - v[:, None, None] * b
@@ -125,7 +126,7 @@ def _at_least(image: Pixels, width: int, height: int) -> Pixels:
     return np.asarray(Image.fromarray(image).resize(size, Image.Resampling.BILINEAR))
 
 
-def _shaded(image: Pixels, light: Floats) -> Pixels:
+def _shaded(image: Pixels, light: NDArray[np.float32]) -> Pixels:
     """The image (h, w, 3) under a light (rows, columns) that is stretched over it."""
     height, width = image.shape[:2]
     level = Image.fromarray(np.clip(light / BRIGHTEST, 0, 1) * (_LEVELS - 1), "F")
@@ -158,11 +159,22 @@ def _lit_things(things: list[Thing], lights: Lights, caster: Caster) -> Part:
 
 def _lit_thing(thing: Thing, row: float, ramp: Pixels, lights: Lights, caster: Caster) -> Part:
     """Tessellated first, so that the light is known at every point."""
-    solid = _before_the_eye(thing.solid) if thing.closed else thing.solid
+    solid = _before_the_eye(thing.solid) if thing.closed else _outwards(thing.solid, caster)
     points, triangles, normals = tessellated(Mesh(*solid), thing.name)
     light = lights.on(points, _directed(normals), caster)
     place = (np.clip(light / BRIGHTEST, 0, 1) * (_LEVELS - 1) + 0.5) / _LEVELS
     return Part(thing.name, points, triangles, np.column_stack([place, np.full(len(place), row)]), ramp)
+
+
+def _outwards(solid: Solid, caster: Caster) -> Solid:
+    """A solid whose normals may point inwards, turned so that most of what the eye sees of it is its outside."""
+    corner = solid.points[solid.triangles]
+    centre = corner.mean(axis=1)
+    distance = np.linalg.norm(centre, axis=1)
+    seen = caster.distances(np.zeros_like(centre), centre / np.maximum(distance, 1e-9)[:, None]) > 0.999 * distance
+    size = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    away = np.einsum("mj,mj->m", solid.normals[solid.triangles].mean(axis=1), centre) / np.maximum(distance, 1e-9) ** 3
+    return solid._replace(normals=-solid.normals) if np.sum((size * away)[seen]) > 0 else solid
 
 
 def _before_the_eye(solid: Solid) -> Solid:
@@ -180,7 +192,7 @@ def _before_the_eye(solid: Solid) -> Solid:
 
 
 def _lit_paint(piece: Painted, lights: Lights, caster: Caster) -> Part:
-    solid, count = piece.solid, len(piece.solid.points)
+    solid, count = _outwards(piece.solid, caster), len(piece.solid.points)
     values = np.column_stack([solid.normals, piece.colours.astype(float)]).reshape(count, 6)
     points, triangles, values = tessellated(Mesh(solid.points, solid.triangles, values), piece.name)
     light = lights.on(points, _directed(values[:, :3]), caster)

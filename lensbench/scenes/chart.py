@@ -153,7 +153,7 @@ def chart() -> Scene:
         half = [-size[0] / 2, 0, 0], size[1] / 2 * up
         sheet = Panel(name, centre + CORNEA, *half, chart_sheet(label, distance))
         pieces += [sheet._replace(shines=distance > 2000), *_board(distance, elevation, size)]
-        looks[label] = Look(tuple(float(v) for v in centre + CORNEA), name)
+        looks[label] = Look.at(centre + CORNEA, name)
     for side in (-1, 1):
         pieces.append(standing("dial", (side * 1250, 0, 6000), (900, 900), _dial() if side > 0 else _grating()))
         pieces.append(Thing("boards", box([side * 1250, 0, 6018], [940, 940, 30]), (60, 62, 66)))
@@ -210,12 +210,15 @@ def _dial() -> Pixels:
 
 def _grating() -> Pixels:
     """Gratings of 1, 2, 4 and 8 minutes of arc a bar at 6 m, across and upright."""
-    s = Sheet(900, 900, 1.2, WHITE)
+    s = Sheet(900, 900, 2.0, WHITE)
     for row in range(2):
         for k, bar in enumerate((1.75, 3.5, 7.0, 14.0)):
             x, y = 60 + 205 * k, 130 + 370 * row
-            for j in range(int(160 / (2 * bar))):
-                at = 2 * bar * j
-                s.box(*((x + at, y, bar - 0.4, 250) if row == 0 else (x, y + at * 1.55, 160, bar - 0.4)), INK)
+            thick = bar - 1 / s.scale
+            for at in np.arange(0.0, 160.0 if row == 0 else 250.0, 2 * bar):
+                if row == 0:
+                    s.box(x + at, y, thick, 250, INK)
+                else:
+                    s.box(x, y + at, 160, thick, INK)
             s.text(x + 80, y - 20, f"{2**k}'", 48, "Sans-Bold", at="ms")
     return s.pixels()

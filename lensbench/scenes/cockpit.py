@@ -4,7 +4,7 @@ import numpy as np
 
 from ..optics.conventions import Floats
 from .build import Panel, Thing, build_scene
-from .drawing import INK, RED, WHITE, Colour, Pixels, Sheet, cloth, plain, soften
+from .drawing import INK, RED, WHITE, Colour, Pixels, Sheet, cloth, darker, plain, soften
 from .furniture import standing
 from .light import Lights
 from .scene import Look, Scene
@@ -132,8 +132,8 @@ def _asphalt(width: float, near: float, far: float, fine: float) -> Pixels:
     z = far - (np.arange(tall)[:, None] + 0.5) / tall * (far - near)
     left, middle, right = 350.0, LANE, width - 350.0
     marks = (np.abs(x - left) < 75) | (np.abs(x - right) < 75) | ((np.abs(x - middle) < 75) & (z % 9000 < 4000))
-    tracks = 1 - 0.07 * sum(np.exp(-(((x - c) / 260) ** 2)) for c in (1000, 2500, 4500, 6000))
-    road *= tracks[..., None]
+    tracks = np.exp(-(((x[..., None] - [1000, 2500, 4500, 6000]) / 260) ** 2)).sum(axis=-1)
+    road *= 1 - 0.07 * tracks[..., None]
     road[np.broadcast_to(marks, road.shape[:2])] = (236, 236, 230)
     return np.clip(road, 0, 255).astype(np.uint8)
 
@@ -159,11 +159,10 @@ def _sign(kind: str, lines: list[str]) -> Pixels:
 def _tail(colour: Colour, plate: str) -> Pixels:
     """A car's rear, 1760 x 1330 mm."""
     s = Sheet(1760, 1330, 0.7, (112, 113, 116))
-    dark = tuple(int(0.45 * c) for c in colour)
     s.shape([(330, 0), (1430, 0), (1600, 470), (160, 470)], colour)
     s.shape([(390, 60), (1370, 60), (1500, 430), (260, 430)], (44, 56, 66))
     s.card(20, 440, 1720, 760, 120, colour)
-    s.box(20, 1000, 1720, 130, dark)
+    s.box(20, 1000, 1720, 130, darker(colour, 0.45))
     for x in (60, 1400):
         s.card(x, 560, 300, 150, 40, (196, 22, 26))
         s.card(x + 30, 650, 120, 50, 20, (250, 180, 90))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .build import Panel, Thing, build_scene
-from .drawing import BLUE, GREY, INK, RED, WHITE, Colour, Pixels, Sheet, cloth, wood
+from .drawing import BLUE, GREY, INK, RED, WHITE, Colour, Pixels, Sheet, cloth, darker, wood
 from .furniture import DARK, STEEL, facing, lying, monitor, mug, plant, standing, table
 from .light import Lamp, Lights
 from .prints import PARAGRAPH, star
@@ -32,7 +32,7 @@ def desk() -> Scene:
     ]
     looks = {
         "far": Look((250.0, 120.0, 30000.0), "houses"),
-        "intermediate": Look(tuple(float(v) for v in facing(720.0, -13.5)[0]), "screen"),
+        "intermediate": Look.at(facing(720.0, -13.5)[0], "screen"),
         "near": Look(sheet, "sheet"),
         "phone": Look(phone, "phone screen"),
         "keyboard": Look((0.0, DESK + 19, 480.0), "keys"),
@@ -191,7 +191,7 @@ def houses() -> Pixels:
     for k, colour in enumerate(fronts):
         x, top = 12000.0 * k, (900, 0, 1500, 500)[k]
         s.box(x, top, 11950, 14000 - top, colour)
-        s.box(x, top, 11950, 350, tuple(int(0.8 * c) for c in colour))
+        s.box(x, top, 11950, 350, darker(colour, 0.8))
         for floor in range(3):
             for j in range(4):
                 wx, wy = x + 900 + 2800 * j, top + 1300 + 3000 * floor
@@ -247,11 +247,15 @@ def _around() -> list:
         foot = DESK + (0, 34, 60, 100)[k]
         colour = ((150, 46, 44), (44, 84, 120), (206, 168, 90), (70, 104, 80))[k]
         books.append(Thing("books", box([560, foot + h / 2, 640], [d, h, w]), colour))
-    arm = tube([[-640, DESK + 12, 760], [-560, 10, 800], [-430, 90, 640]], 8)
+    arm = tube(np.array([[-640, DESK + 12, 760], [-560, 10, 800], [-430, 90, 640]]), 8)
     shade = turned([(84, 0), (86, 0), (34, 80), (24, 90), (0, 92)], 36).placed([-430, 20, 640], 18)
     base = turned([(90, 0), (86, 14), (0, 14)], 40).placed([-640, DESK, 760])
     pens = [
-        Thing("pens", tube([[400 + 9 * k, DESK + 20, 720], [392 + 14 * k, DESK + 165 - 6 * k, 726 + 4 * k]], 3.6, 8), c)
+        Thing(
+            "pens",
+            tube(np.array([[400.0 + 9 * k, DESK + 20, 720], [392 + 14 * k, DESK + 165 - 6 * k, 726 + 4 * k]]), 3.6, 8),
+            c,
+        )
         for k, c in enumerate((RED, BLUE, (70, 130, 80), (226, 180, 60)))
     ]
     cup = turned([(0, 0), (36, 0), (38, 100), (34, 100), (33, 8)], 28).placed([415, DESK, 720])

@@ -24,7 +24,13 @@ _CODES = np.arange(256) / 255.0
 LIGHT_OF_CODE = np.where(_CODES <= 0.04045, _CODES / 12.92, ((_CODES + 0.055) / 1.055) ** 2.4)
 
 
-def encode(light: Floats) -> Pixels:
+def darker(colour: Colour, share: float) -> Colour:
+    """A colour whose codes are a share of this one's."""
+    red, green, blue = colour
+    return int(share * red), int(share * green), int(share * blue)
+
+
+def encode(light: NDArray[np.floating[Any]]) -> Pixels:
     """sRGB codes of linear light, 0 to 1. Source: IEC 61966-2-1."""
     clipped = np.clip(light, 0.0, 1.0)
     code = np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
@@ -47,39 +53,45 @@ class Sheet:
         object.__setattr__(self, "image", Image.new("RGB", size, self.paper))
         object.__setattr__(self, "pen", ImageDraw.Draw(self.image))
 
-    def text(self, x: float, y: float, text: str, size: float, face: str = "Sans", ink: Colour = INK, at: str = "ls"):
+    def text(
+        self, x: float, y: float, text: str, size: float, face: str = "Sans", ink: Colour = INK, at: str = "ls"
+    ) -> None:
         """Text at (x, y) mm, em size in mm; at: Pillow's anchor (ls: left end of the base line)."""
         self.pen.text((x * self.scale, y * self.scale), text, ink, _font(face, round(size * self.scale)), at)
 
-    def lines(self, x: float, y: float, lines: list[str], size: float, face: str = "Serif", ink: Colour = INK):
+    def lines(self, x: float, y: float, lines: list[str], size: float, face: str = "Serif", ink: Colour = INK) -> None:
         """Lines of text, the first one's base line at (x, y) mm."""
         for k, line in enumerate(lines):
             self.text(x, y + 1.32 * size * k, line, size, face, ink)
 
-    def box(self, x: float, y: float, w: float, h: float, fill: Colour | None, edge: Colour | None = None, pen=0.0):
+    def box(
+        self, x: float, y: float, w: float, h: float, fill: Colour | None, edge: Colour | None = None, pen: float = 0.0
+    ) -> None:
         """A rectangle; pen: width of its edge, mm."""
         corners = [v * self.scale for v in (x, y, x + w, y + h)]
         self.pen.rectangle(corners, fill, edge, max(1, round(pen * self.scale)))
 
-    def line(self, points: ArrayLike, pen: float, ink: Colour = INK):
+    def line(self, points: ArrayLike, pen: float, ink: Colour = INK) -> None:
         """A line through points (k, 2) mm; pen: width, mm."""
         path = [(float(x), float(y)) for x, y in np.asarray(points, dtype=float) * self.scale]
         self.pen.line(path, ink, max(1, round(pen * self.scale)), "curve")
 
-    def disc(self, x: float, y: float, radius: float, fill: Colour, edge: Colour | None = None, pen=0.0):
+    def disc(
+        self, x: float, y: float, radius: float, fill: Colour, edge: Colour | None = None, pen: float = 0.0
+    ) -> None:
         """A filled circle; pen: width of its edge, mm."""
         width = max(1, round(pen * self.scale))
         self.pen.circle((x * self.scale, y * self.scale), radius * self.scale, fill, edge, width)
 
-    def shape(self, points: ArrayLike, fill: Colour):
+    def shape(self, points: ArrayLike, fill: Colour) -> None:
         """A filled polygon (k, 2)."""
         self.pen.polygon([(float(x), float(y)) for x, y in np.asarray(points, dtype=float) * self.scale], fill)
 
-    def card(self, x: float, y: float, w: float, h: float, radius: float, fill: Colour):
+    def card(self, x: float, y: float, w: float, h: float, radius: float, fill: Colour) -> None:
         """A filled rectangle with round corners."""
         self.pen.rounded_rectangle([v * self.scale for v in (x, y, x + w, y + h)], radius * self.scale, fill)
 
-    def fade(self, x: float, y: float, w: float, h: float, colours: Sequence[Colour]):
+    def fade(self, x: float, y: float, w: float, h: float, colours: Sequence[Colour]) -> None:
         """A rectangle whose colour runs from the top through the colours to the bottom."""
         left, top, right, low = (round(v * self.scale) for v in (x, y, x + w, y + h))
         at = np.linspace(0, len(colours) - 1, max(low - top, 1))
@@ -87,7 +99,7 @@ class Sheet:
         strip = Image.fromarray(np.round(rows).astype(np.uint8)[:, None])
         self.image.paste(strip.resize((max(right - left, 1), strip.height)), (left, top))
 
-    def put(self, x: float, y: float, image: Pixels):
+    def put(self, x: float, y: float, image: Pixels) -> None:
         """A picture (h, w, 3) of the sheet's own fineness, its upper left corner at (x, y) mm."""
         self.image.paste(Image.fromarray(image), (round(x * self.scale), round(y * self.scale)))
 
@@ -105,7 +117,9 @@ def _font(face: str, size: int) -> ImageFont.FreeTypeFont:
     return ImageFont.truetype(folder / f"DejaVu{face}.ttf", size)
 
 
-def tiles(size: tuple[int, int], tile: tuple[int, int], joint: int, colours: tuple[Colour, Colour], bond: float):
+def tiles(
+    size: tuple[int, int], tile: tuple[int, int], joint: int, colours: tuple[Colour, Colour], bond: float
+) -> Pixels:
     """Pixels (h, w, 3) of tiles that vary by chance in lightness. colours: of tile and joint; bond: shift between rows."""
     chance = np.random.default_rng(7)
     y, x = np.arange(size[1])[:, None], np.arange(size[0])[None, :]

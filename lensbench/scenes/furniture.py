@@ -51,7 +51,7 @@ def document_holder(distance: float, elevation: float, size: tuple[float, float]
     board = box([0, 0, 5], [size[0] + 12, size[1] + 10, 6]).placed(centre + 1 * ahead, -elevation)
     lip = box([0, 0, 0], [size[0] + 12, 9, 14]).placed(centre - (size[1] / 2 + 6) * up, -elevation)
     top = centre + 8 * ahead
-    leg = tube([top, [0, top[1] - 60, top[2] + 55], [0, foot + 8, top[2] + 55]], 9)
+    leg = tube([[0, top[1], top[2]], [0, top[1] - 60, top[2] + 55], [0, foot + 8, top[2] + 55]], 9)
     plate = turned([(82, 0), (80, 8), (0, 8)], 40).placed([0, foot, top[2] + 55])
     return [Thing("holder", join([board, lip]), (126, 92, 62)), Thing("holder", join([leg, plate]), DARK)]
 
@@ -65,10 +65,10 @@ def table(front: float, depth: float, width: float, top: float, floor: float, im
         for x in (-width / 2 + 90, width / 2 - 90)
         for z in (front + 120, front + depth - 120)
     ]
-    edge = tuple(int(c) for c in 0.8 * image.reshape(-1, 3).mean(axis=0))
+    red, green, blue = (int(c) for c in 0.8 * image.reshape(-1, 3).mean(axis=0))
     return [
         lying("table", middle, (width, depth), image),
-        Thing("table body", under, edge),
+        Thing("table body", under, (red, green, blue)),
         Thing("table body", join(legs), DARK),
     ]
 

@@ -79,13 +79,17 @@ def _lamp_light(lamp: Lamp, start: Floats, normals: Floats, caster: Caster) -> F
     cosine = np.einsum("nkj,nj->nk", rays, normals)
     leaving = -rays @ unit(np.cross(across, upward))
     given = np.maximum(cosine, 0) * np.maximum(leaving, 0) / (distance / 1000) ** 2
-    seen = _cast(caster, start, rays) > distance - 5.0
-    return lamp.strength * (given * seen).mean(axis=1)
+    lit = np.nonzero(given)
+    given[lit] *= caster.distances(start[lit[0]], rays[lit]) > distance[lit] - 5.0
+    return lamp.strength * given.mean(axis=1)
 
 
 def _sun_light(
     towards: tuple[float, float, float], strength: float, start: Floats, normals: Floats, caster: Caster
 ) -> Floats:
     rays = unit(unit(towards) + 0.02 * np.column_stack([_SPOTS, 0 * _SPOTS[:, 0]]))
-    open_sky = np.isinf(_cast(caster, start, np.broadcast_to(rays, (len(start), *rays.shape))))
-    return strength * np.maximum(normals @ unit(towards), 0) * open_sky.mean(axis=1)
+    light = np.maximum(normals @ unit(towards), 0)
+    lit = np.flatnonzero(light)
+    open_sky = np.isinf(_cast(caster, start[lit], np.broadcast_to(rays, (lit.size, *rays.shape))))
+    light[lit] *= open_sky.mean(axis=1)
+    return strength * light

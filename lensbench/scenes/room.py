@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from .build import Panel, Thing, build_scene
+from .build import Panel, Piece, Thing, build_scene
 from .drawing import BLUE, GREY, INK, RED, WHITE, Pixels, Sheet, cloth, tiles, wood
-from .furniture import chair, document_holder, lying, monitor, mug, plant, sheet_facing, standing, table
+from .furniture import chair, document_holder, facing, lying, monitor, mug, plant, sheet_facing, standing, table
 from .light import Lamp, Lights
 from .prints import page, screen
 from .scene import Look, Scene
@@ -123,7 +123,7 @@ def room() -> Scene:
         sheet_facing("page", 392.0, -29.0, (210, 145), page()),
         *document_holder(392.0, -29.0, (210, 145), TABLE),
         *monitor(760.0, -10.4, (390, 182), screen(), TABLE),
-        *table(300.0, 3700.0, 1400.0, TABLE, FLOOR, wood((1400, 3700), 150, (176, 128, 88))),
+        *table(300.0, 3700.0, 1400.0, TABLE, FLOOR, wood((980, 2590), 105, (176, 128, 88))),
         *_chairs(),
         *_on_the_table(),
         *_walls(),
@@ -133,11 +133,11 @@ def room() -> Scene:
     daylight = Lamp((SIDE - 20, 250, 3400.0), (0, 0, 1500), (0, 700, 0), 1.6)
     looks = {
         "far": Look((0.0, 0.0, WALL - 40), "slide"),
-        "intermediate": Look((0.0, -137.2, 747.5), "screen"),
-        "near": Look((0.0, -190.0, 342.9), "page"),
+        "intermediate": Look.at(facing(760.0, -10.4)[0], "screen"),
+        "near": Look.at(facing(392.0, -29.0)[0], "page"),
     }
     about = "a meeting room: page at 40 cm, monitor at 77 cm, slide at 6 m"
-    return build_scene("room", about, pieces, Lights(0.52, 900.0, (*lamps, daylight)), looks)
+    return build_scene("room", about, pieces, Lights(0.64, 900.0, (*lamps, daylight)), looks)
 
 
 def _chairs() -> list[Thing]:
@@ -151,7 +151,7 @@ def _chairs() -> list[Thing]:
 def _on_the_table() -> list:
     paper = Sheet(210, 297, 2)
     paper.lines(20, 40, ["Agenda", "1  Minutes", "2  Lenses", "3  Any other"], 14)
-    pieces = [mug(-300.0, 640.0, TABLE, (196, 72, 52)), mug(430.0, 1500.0, TABLE, (236, 234, 228))]
+    pieces: list[Piece] = [mug(-300.0, 640.0, TABLE, (196, 72, 52)), mug(430.0, 1500.0, TABLE, (236, 234, 228))]
     for x, z in ((420.0, 1900.0), (-420.0, 1600.0), (-420.0, 2600.0)):
         pieces.append(lying("papers", (x, TABLE + 1.5, z), (210, 297), paper.pixels()))
     bottle = turned([(0, 0), (36, 0), (36, 150), (16, 200), (16, 228), (0, 228)], 24)

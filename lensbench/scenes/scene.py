@@ -37,6 +37,12 @@ class Look(NamedTuple):
     target: tuple[float, float, float]
     part: str
 
+    @classmethod
+    def at(cls, place: ArrayLike, part: str = "") -> "Look":
+        """A look at a place (3,)."""
+        x, y, z = np.asarray(place, dtype=float)
+        return cls((float(x), float(y), float(z)), part)
+
     @property
     def distance(self) -> float:
         """Distance from the cornea, mm."""

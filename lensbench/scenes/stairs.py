@@ -44,7 +44,7 @@ def _bent(scene: Scene) -> Scene:
     """The scene as the eye has it when the head is bent down."""
     turn = rotation_xy(np.radians(-BENT), 0.0)
     parts = tuple(replace(part, points=part.points @ turn.T) for part in scene.parts)
-    looks = {name: Look(tuple(float(v) for v in turn @ k.target), k.part) for name, k in scene.looks.items()}
+    looks = {name: Look.at(turn @ k.target, k.part) for name, k in scene.looks.items()}
     return replace(scene, parts=parts, looks=looks)
 
 

@@ -264,3 +264,15 @@ def test_the_command_line_lists_a_scenes_looks(tmp_path, capsys):
     assert fact["looks"]["middle"]["distance"] == pytest.approx(4013)  # from the cornea
     assert main(["scenes", "--scene", "stairs"]) == 0
     assert "third step" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_a_room_is_lit_inside_whichever_way_its_triangles_turn(tmp_path, inside_out):
+    room = trimesh.creation.box((4, 3, 6))
+    if inside_out:
+        room.invert()
+    room.export(tmp_path / "room.stl")
+    scene = find_scene(str(tmp_path / "room.stl"), "m", eye=(0, 0, 2), ahead=(0, 0, -1))
+    floor, ceiling, wall = (colour_at(scene, d)[0] for d in ([0, -1.4, 3], [0, 1.4, 3], [0.3, 0.2, 5]))
+    assert ceiling < floor  # more light comes from above
+    assert wall > 60
