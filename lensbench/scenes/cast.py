@@ -1,6 +1,7 @@
 """Which point of a scene a ray meets first, by Embree."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +37,10 @@ def first_hit(scene: Scene, origin: ArrayLike, direction: ArrayLike) -> Floats:
     known = np.isfinite(start).all(axis=1) & np.isfinite(along).all(axis=1)
     if known.any():
         length = np.linalg.norm(along[known], axis=1, keepdims=True)
-        caster = Caster([(part.points, part.triangles) for part in scene.parts])
-        distance[known] = caster.distances(start[known], along[known] / length)
+        distance[known] = _caster(scene).distances(start[known], along[known] / length)
     return distance
+
+
+@lru_cache(maxsize=4)
+def _caster(scene: Scene) -> Caster:
+    return Caster([(part.points, part.triangles) for part in scene.parts])

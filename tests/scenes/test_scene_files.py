@@ -276,3 +276,23 @@ def test_a_room_is_lit_inside_whichever_way_its_triangles_turn(tmp_path, inside_
     floor, ceiling, wall = (colour_at(scene, d)[0] for d in ([0, -1.4, 3], [0, 1.4, 3], [0.3, 0.2, 5]))
     assert ceiling < floor  # more light comes from above
     assert wall > 60
+
+
+def test_no_file_outside_the_meshs_folder_is_read(tmp_path):
+    Image.fromarray(np.full((8, 8, 3), (255, 0, 0), np.uint8)).save(tmp_path / "outside.png")
+    folder = tmp_path / "inside"
+    folder.mkdir()
+    (folder / "m.mtl").write_text("newmtl a\nKd 0 1 0\nmap_Kd ../outside.png\n")
+    corners = "v 0 0 0\nv 2 0 0\nv 0 3 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+    (folder / "m.obj").write_text(f"mtllib m.mtl\n{corners}usemtl a\nf 1/1 2/2 3/3\n")
+    scene = find_scene(str(folder / "m.obj"), "m", eye=(0.5, 0.5, 4.0), ahead=(0.0, 0.0, -1.0))
+    red, green, _ = colour_at(scene, [0, 0, 4000])
+    assert (red, green > 100) == (0, True)
+    board().export(folder / "b.gltf")
+    text = (folder / "b.gltf").read_text()
+    outside = {"uri": "../outside.png"}
+    tree = json.loads(text)
+    tree["buffers"][0] |= outside
+    (folder / "b.gltf").write_text(json.dumps(tree))
+    with pytest.raises(InputError, match="not a mesh that can be read"):
+        find_scene(str(folder / "b.gltf"), **PLACE)
