@@ -55,6 +55,12 @@ def make_shapes():
 SHAPES = make_shapes()
 
 
+@pytest.fixture(scope="session")
+def shapes():
+    """Every (surface, slow sag function) by name."""
+    return SHAPES
+
+
 @pytest.fixture(scope="session", params=SHAPES)
 def shape(request):
     """(surface, slow sag function)."""

@@ -103,12 +103,10 @@ def test_a_torus_is_exact(tmp_path, major, minor, v, angle):
 
 
 @pytest.mark.parametrize("kind", ["sphere", "asphere", "torus", "biconic", "spline"])
-def test_a_written_lens_is_a_valid_solid_and_comes_back(tmp_path, lens_of, kind):
-    from conftest import SHAPES
-
+def test_a_written_lens_is_a_valid_solid_and_comes_back(tmp_path, lens_of, shapes, kind):
     from lensbench.formats.cad_writer import _solid
 
-    front = SHAPES[kind][0]
+    front = shapes[kind][0]
     back = surfaces.toric(0.008, 0.011, 130.0, decentration=(0.4, 0.3), tilt=(-0.015, 0.01))
     lens = lens_of(front, back, thickness=6.0, outline=ellipse_outline(50, 40, (1.0, -2.0)))
     solid = _solid(lens)
