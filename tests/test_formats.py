@@ -136,7 +136,7 @@ def test_sdf_round_trip(tmp_path_factory, nx, ny, width, height):
     path = write(tmp_path_factory.mktemp("sdf"), sdf_text(saddle(x, y), width, height), "a.sdf")
     (grid,) = read_sdf(path)
     assert grid.values == pytest.approx(saddle(x, y), abs=0.51e-6)
-    assert (grid.width, grid.height, grid.rounding_step, grid.side, grid.face) == (width, height, 1e-6, "R", "F")
+    assert (grid.width, grid.height, grid.digit, grid.side, grid.face) == (width, height, 1e-6, "R", "F")
 
 
 def test_sdf_with_both_sides_crlf_and_byte_order_mark(tmp_path):

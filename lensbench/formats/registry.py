@@ -62,7 +62,7 @@ class Written(NamedTuple):
 
 FORMATS = (
     Format("TOML", "lens and wearer files of LensBench", (".toml",), "own_toml"),
-    Format("SDF", "surface matrix of the VCA/OMA standard", (".sdf",), "sdf"),
+    Format("SDF", "surface matrix of the VCA/OMA standard", (".sdf",), "sdf", writes=True),
     Format(
         "VCA job", "order, frame and lens of the VCA/OMA standard", (".lms", ".lds", ".oma", ".vca", ".job"), "vca_job"
     ),

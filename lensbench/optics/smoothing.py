@@ -8,25 +8,26 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
-from scipy.linalg import eigh
+from scipy.linalg import eigh, solveh_banded
 from scipy.sparse import csr_array, kron
-from scipy.sparse.linalg import splu
 
 from .conventions import Floats
 
 DEGREE = 5
 LEAST_CELL = 0.9
 MOST_CELLS = 120
-MOST_CELLS_WITH_GAPS = 56
-LIGHTEST, HEAVIEST = -14.0, 10.0
+MOST_CELLS_SCATTERED = 44
+MOST_GAPS = 300
+START_WEIGHT = 1e-3
+LIGHTEST, HEAVIEST = -12.0, 8.0
 
 
 class SplineFit(NamedTuple):
     """knots_x, knots_y: full knot vectors, mm; coefficients (ny, nx): mm; residual: of each value given, mm (NaN in gaps).
 
     noise: rms of what no smooth surface explains, mm, estimated from the data; NaN where it cannot be told.
+    astigmatism: rms error of the difference of the principal curvatures, 1/mm, that noise of rms sigma leaves in the fit.
     """
 
     knots_x: Floats
@@ -34,6 +35,7 @@ class SplineFit(NamedTuple):
     coefficients: Floats
     residual: Floats
     noise: float
+    astigmatism: float
 
 
 class _Axis(NamedTuple):
@@ -53,14 +55,39 @@ def fit_grid(x: Floats, y: Floats, sag: Floats, sigma: float) -> SplineFit:
     ax, ay = (_axis(a.size, float(a[0]), float(a[-1])) for a in (x, y))
     gaps = np.isnan(sag)
     if not gaps.any():
-        return _fit_whole(ax, ay, sag, sigma)
-    px, py = np.meshgrid(x, y)
-    rough = fit_points(px[~gaps], py[~gaps], sag[~gaps], sigma, (x[0], x[-1], y[0], y[-1]), searched=False)
-    filled = np.where(gaps, evaluate(rough, x, y), sag)
-    for _ in range(6):
-        fit = _fit_whole(ax, ay, filled, sigma, ~gaps)
-        filled = np.where(gaps, filled - fit.residual, filled)
+        return _fit_whole(ax, ay, sag, sigma)[0]
+    if np.count_nonzero(gaps) > MOST_GAPS:
+        return _fit_around_gaps(x, y, sag, sigma)
+    weight, fit = START_WEIGHT, None
+    for _ in range(3):
+        fit, weight = _fit_whole(ax, ay, _filled(ax, ay, sag, weight), sigma)
+    assert fit is not None
     return fit._replace(residual=np.where(gaps, np.nan, fit.residual))
+
+
+def _filled(ax: _Axis, ay: _Axis, sag: Floats, weight: float) -> Floats:
+    """The sags with those values in the gaps that smoothing with this weight leaves as they are."""
+    gaps = np.isnan(sag)
+    row, column = np.nonzero(gaps)
+    shrunk = 1 / (1 + weight * (ay.roughness[:, None] + ax.roughness))
+    base = float(np.nanmean(sag))
+    rest = np.where(gaps, 0.0, sag - base)
+    smooth = ay.basis @ (shrunk * (ay.basis.T @ rest @ ax.basis)) @ ax.basis.T
+    spread = np.einsum("gj,gi->gji", ay.basis[row], ax.basis[column]).reshape(row.size, -1)
+    response = (spread * shrunk.ravel()) @ spread.T
+    filled = sag.copy()
+    filled[gaps] = base + np.linalg.solve(np.eye(row.size) - response, smooth[gaps])
+    return filled
+
+
+def _fit_around_gaps(x: Floats, y: Floats, sag: Floats, sigma: float) -> SplineFit:
+    """The points that there are as scattered points."""
+    given = ~np.isnan(sag)
+    px, py = np.meshgrid(x, y)
+    fit = fit_points(px[given], py[given], sag[given], sigma, (x[0], x[-1], y[0], y[-1]))
+    residual = np.full(sag.shape, np.nan)
+    residual[given] = fit.residual
+    return fit._replace(residual=residual)
 
 
 def evaluate(fit: SplineFit, x: Floats, y: Floats) -> Floats:
@@ -69,25 +96,42 @@ def evaluate(fit: SplineFit, x: Floats, y: Floats) -> Floats:
     return by @ (bx @ fit.coefficients.T).T
 
 
-def _fit_whole(ax: _Axis, ay: _Axis, sag: Floats, sigma: float, given: NDArray[np.bool_] | None = None) -> SplineFit:
-    """Fit of a grid without gaps: in these bases smoothing shrinks each coefficient by itself."""
+def _fit_whole(ax: _Axis, ay: _Axis, sag: Floats, sigma: float) -> tuple[SplineFit, float]:
+    """Fit of a grid without gaps, and its weight of roughness: in these bases smoothing shrinks each coefficient by itself."""
     c = ay.basis.T @ sag @ ax.basis
-    missed = float(np.sum((sag - ay.basis @ c @ ax.basis.T) ** 2))
+    allowed = sag.size * sigma**2 - float(np.sum((sag - ay.basis @ c @ ax.basis.T) ** 2))
     rough = ay.roughness[:, None] + ax.roughness
-    count = sag.size if given is None else np.count_nonzero(given)
-    allowed = count * sigma**2 - missed
     power = c**2
+    noise = _flat_noise(power, rough)
 
     def excess(weight: float) -> float:
         return float(np.sum(power * (1 - 1 / (1 + weight * rough)) ** 2)) - allowed
 
-    c = c / (1 + _heaviest(excess) * rough)
+    weight = _heaviest(excess)
+    c = c / (1 + weight * rough)
     residual = sag - ay.basis @ c @ ax.basis.T
-    return SplineFit(ax.knots, ay.knots, ay.back @ c @ ax.back.T, residual, _flat_noise(power, rough))
+    left = sigma * _astigmatism_noise(ax, ay, 1 / (1 + weight * rough))
+    return SplineFit(ax.knots, ay.knots, ay.back @ c @ ax.back.T, residual, noise, left), weight
+
+
+def _astigmatism_noise(ax: _Axis, ay: _Axis, shrunk: Floats) -> float:
+    """Rms error of z_xx - z_yy and 2 z_xy together for noise of rms 1, over the middle of the grid."""
+    (x0, x1, x2), (y0, y1, y2) = (_probe(a) for a in (ax, ay))
+    gain = shrunk**2
+    normal = (y0**2) @ gain @ (x2**2).T + (y2**2) @ gain @ (x0**2).T - 2 * (y0 * y2) @ gain @ (x0 * x2).T
+    return float(np.sqrt(np.mean(normal + 4 * (y1**2) @ gain @ (x1**2).T)))
+
+
+def _probe(axis: _Axis) -> tuple[Floats, ...]:
+    """The smoothing basis and its first two derivatives (5, K) at five points in the middle half of the axis."""
+    first, last = axis.knots[0], axis.knots[-1]
+    at = (first + last) / 2 + (last - first) * np.linspace(-0.23, 0.23, 5)
+    spline = BSpline(axis.knots, axis.back, DEGREE)
+    return tuple(spline(at, nu=order) for order in range(3))
 
 
 def _heaviest(excess: Any, steps: int = 30) -> float:
-    """The heaviest smoothing (bisected on a logarithmic scale) that leaves no excess of squared residuals; else the lightest."""
+    """The heaviest smoothing (bisected on a log scale) that leaves no excess of squared residuals, or the lightest."""
     low, high = LIGHTEST, HEAVIEST
     if excess(10.0**low) >= 0:
         return 10.0**low
@@ -137,14 +181,9 @@ def _products(knots: Floats, breaks: Floats, order: int) -> Floats:
     return d.T @ (d * (half * weight).ravel()[:, None])
 
 
-def fit_points(
-    x: Floats, y: Floats, sag: Floats, sigma: float, box: tuple[float, float, float, float], searched: bool = True
-) -> SplineFit:
-    """Spline over a box (x min, x max, y min, y max) through scattered points x, y, sag (n,), mm, with noise sigma, mm.
-
-    searched: smooth as much as the noise allows; otherwise as little as closes the gaps.
-    """
-    cells = int(min(MOST_CELLS_WITH_GAPS, max(2, 0.9 * np.sqrt(sag.size) - 4)))
+def fit_points(x: Floats, y: Floats, sag: Floats, sigma: float, box: tuple[float, float, float, float]) -> SplineFit:
+    """Spline over a box (x min, x max, y min, y max) through scattered points x, y, sag (n,), mm, with rms noise sigma, mm."""
+    cells = min(MOST_CELLS_SCATTERED, max(2, int(0.9 * np.sqrt(sag.size) - 4)))
     knots, bases, mass, rough = [], [], [], []
     for at, (low, high) in ((x, box[:2]), (y, box[2:])):
         breaks = np.linspace(low, high, cells + 1)
@@ -153,18 +192,44 @@ def fit_points(
         mass.append(csr_array(_products(knots[-1], breaks, 0)))
         rough.append(csr_array(_products(knots[-1], breaks, 3)))
     design = _row_products(bases[1], bases[0])
-    penalty = (kron(mass[1], rough[0]) + kron(rough[1], mass[0])) * (sag.size / ((box[1] - box[0]) * (box[3] - box[2])))
-    normal, right = design.T @ design, design.T @ sag
+    area = (box[1] - box[0]) * (box[3] - box[2])
+    penalty = _banded((kron(mass[1], rough[0]) + kron(rough[1], mass[0])) * (sag.size / area))
+    normal, right = _banded(design.T @ design), design.T @ sag
 
     def solved(weight: float) -> Floats:
-        return splu((normal + weight * penalty).tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(right)
+        return solveh_banded(normal + weight * penalty, right, lower=True, overwrite_ab=True, check_finite=False)
 
-    weight = 1e-10
-    if searched:
-        weight = _heaviest(lambda w: float(np.sum((design @ solved(w) - sag) ** 2)) - sag.size * sigma**2, 12)
+    def excess(weight: float) -> float:
+        return float(np.sum((design @ solved(weight) - sag) ** 2)) - sag.size * sigma**2
+
+    weight = _heaviest(excess, 10)
     c = solved(weight)
-    k = int(np.sqrt(c.size))
-    return SplineFit(knots[0], knots[1], c.reshape(k, k), sag - design @ c, float("nan"))
+    left = sigma * _scattered_astigmatism_noise(knots, design, normal + weight * penalty)
+    count = cells + DEGREE
+    return SplineFit(knots[0], knots[1], c.reshape(count, count), sag - design @ c, float("nan"), left)
+
+
+def _scattered_astigmatism_noise(knots: list[Floats], design: Any, bands: Floats) -> float:
+    """As for a grid, from four points in the middle: how much each value moves the curvatures there."""
+    tx, ty = knots
+    px, py = (((t[0] + t[-1]) / 2 + (t[-1] - t[0]) * np.array([-0.17, 0.12])) for t in knots)
+    bx, by = (
+        [BSpline(t, np.eye(t.size - DEGREE - 1), DEGREE)(at, nu=m) for m in range(3)] for t, at in ((tx, px), (ty, py))
+    )
+    normal, mixed = np.kron(by[0], bx[2]) - np.kron(by[2], bx[0]), 2 * np.kron(by[1], bx[1])
+    response = design @ solveh_banded(bands, np.vstack([normal, mixed]).T, lower=True, check_finite=False)
+    return float(np.sqrt(np.sum(response**2) / 4))
+
+
+def _banded(matrix: Any) -> Floats:
+    """The lower bands (bandwidth + 1, K) of a symmetric sparse matrix of the tensor basis."""
+    entries = matrix.tocoo()
+    below = entries.row >= entries.col
+    row, column = entries.row[below], entries.col[below]
+    width = DEGREE * (int(np.sqrt(matrix.shape[0])) + 1)
+    bands = np.zeros((width + 1, matrix.shape[0]))
+    bands[row - column, column] = entries.data[below]
+    return bands
 
 
 def _row_products(a: Any, b: Any) -> csr_array:

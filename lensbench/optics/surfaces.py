@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import BSpline, RectBivariateSpline
+from scipy.interpolate import BSpline
 
 from .conventions import Floats, ReadOnlyArrays, rotation_xy
 from .kernels import surface as kernel
+from .smoothing import DEGREE, SplineFit, evaluate, fit_grid
 
 _NO_BREAKS = np.zeros(2)
 _NO_BINS = np.zeros(1, dtype=np.int32)
@@ -169,9 +170,10 @@ def bspline(knots_x: ArrayLike, knots_y: ArrayLike, coefficients: ArrayLike, deg
     Source: de Boor 1978.
     """
     c = np.asarray(coefficients, dtype=float)
-    breaks_x, local_x = _local_powers(knots_x, degree)
-    breaks_y, local_y = _local_powers(knots_y, degree)
-    cells = np.ascontiguousarray(np.einsum("bjn,nm,aim->jiba", local_y, c, local_x, optimize=True))
+    breaks_x, of_x, local_x = _local_powers(knots_x, degree)
+    breaks_y, of_y, local_y = _local_powers(knots_y, degree)
+    along = np.einsum("niq,iqa->nia", c[:, of_x], local_x)
+    cells = np.swapaxes(local_y, 1, 2)[:, None] @ np.swapaxes(along[of_y], 1, 2)
     arrays = breaks_x, breaks_y, bins_of(breaks_x), bins_of(breaks_y), cells
     shape = Surface(kernel.SPLINE, np.zeros(8), *arrays)
     _, _, _, fxx, _, fyy = shape.derivatives((breaks_x[0] + breaks_x[-1]) / 2, (breaks_y[0] + breaks_y[-1]) / 2)
@@ -186,27 +188,35 @@ def bins_of(breaks: Floats) -> NDArray[np.int32]:
     return np.clip(np.searchsorted(breaks, ends, side="right") - 1, 0, breaks.size - 2).astype(np.int32)
 
 
-def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, Floats]:
-    """Breakpoints (k + 1,) and Taylor coefficients (4 or 6, k, n) of the n basis functions at the left end of each cell."""
+def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, NDArray[np.intp], Floats]:
+    """Breakpoints (k + 1,); of each cell the basis functions (k, degree + 1) and their Taylor coefficients at its left end.
+
+    The coefficients have shape (k, degree + 1, 4 or 6).
+    """
     t = np.asarray(knots, dtype=float)
     basis = BSpline(t, np.eye(t.size - degree - 1), degree)
     breaks = np.unique(t[degree : t.size - degree])
-    powers = np.zeros((4 if degree <= 3 else 6, breaks.size - 1, t.size - degree - 1))
+    of = np.searchsorted(t, breaks[:-1], side="right")[:, None] - 1 - degree + np.arange(degree + 1)
+    powers = np.zeros((*of.shape, 4 if degree <= 3 else 6))
     for m in range(degree + 1):
-        powers[m] = basis(breaks[:-1], nu=m) / factorial(m)
-    return breaks, powers
+        powers[:, :, m] = np.take_along_axis(basis(breaks[:-1], nu=m), of, axis=1) / factorial(m)
+    return breaks, of, powers
 
 
 def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float, **pose: Any) -> Surface:
     """Smoothing quintic B-spline through a grid of sags whose last digit was rounded, counted from its sag at (0, 0).
 
-    x (nx,), y (ny,): rising, mm; sag (ny, nx): mm, +z to the scene; rounding_step q: mm. The sum of squared residuals is
-    allowed to be that of the rounding, N q^2 / 12. Source: Dierckx 1993.
+    x (nx,), y (ny,): rising, equally spaced, mm; sag (ny, nx): mm, +z to the scene, NaN where it is missing; rounding_step
+    q: mm. The sum of squared residuals is that of the rounding, N q^2 / 12 (see optics.smoothing).
     """
     gx, gy, z = (np.asarray(a, dtype=float) for a in (x, y, sag))
-    fit = RectBivariateSpline(gy, gx, z, kx=5, ky=5, s=z.size * rounding_step**2 / 12)
-    ty, tx, c = fit.tck
-    return bspline(tx, ty, (c - fit(0.0, 0.0)).reshape(ty.size - 6, tx.size - 6), 5, **pose)
+    return fitted(fit_grid(gx, gy, z, rounding_step / np.sqrt(12)), **pose)
+
+
+def fitted(fit: SplineFit, **pose: Any) -> Surface:
+    """The surface of a fit, counted from its sag at (0, 0)."""
+    vertex = evaluate(fit, np.zeros(1), np.zeros(1))
+    return bspline(fit.knots_x, fit.knots_y, fit.coefficients - vertex, DEGREE, **pose)
 
 
 def power_noise(rounding_step: float, pitch: float, index: float) -> float:
