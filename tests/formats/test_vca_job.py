@@ -28,7 +28,7 @@ X, Y = np.meshgrid(np.linspace(-20, 20, 11), np.linspace(-14, 14, 9))
 
 def back_depth(x, y, nasal):
     """Depth of a back surface with a near zone below, inset towards the nose."""
-    return (x**2 + y**2) / 240 - 1e-5 * (y**3 / 6 + (x - nasal * 2) ** 2 * y / 2)
+    return (x**2 + y**2) / 240 + 0.4 * np.exp(-((x - nasal * 2.5) ** 2 + (y + 14) ** 2) / 200)
 
 
 def surface_text(sides="RL", n=61, half=30.0):
