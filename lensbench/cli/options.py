@@ -3,6 +3,7 @@
 import argparse
 import math
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InputError
 
 if TYPE_CHECKING:
+    from ..formats.lone_surface import Completion
+    from ..formats.surface_data import Reading
     from ..optics.eye import Wearer
     from ..optics.lens import Lens
     from ..scenes.scene import Scene
@@ -36,11 +39,34 @@ def lens_and_wearer(verb: argparse.ArgumentParser) -> None:
 
 
 def lens_choice(verb: argparse.ArgumentParser) -> None:
-    """--side and --material: what a lens file may leave open."""
+    """--side, --material and all else that a lens file may leave open."""
     verb.add_argument(
-        "--side", choices=["R", "L"], default="", help="which lens of a pair; of CAD and mesh files: right"
+        "--side", choices=["R", "L"], default="", help="which lens of a pair; of files that say none: right"
     )
     verb.add_argument("--material", default="", metavar="NAME", help="by name, or n_d/Abbe number: 1.592/41")
+    group = verb.add_argument_group("files that hold surfaces only")
+    for name, what in (
+        ("thickness", "at the centre, mm"),
+        ("front-radius", "of the other surface, mm; inf: a plane"),
+        ("back-radius", "of the other surface, mm; inf: a plane"),
+        ("diameter", "mm"),
+        ("power", "distance power for which the other surface is chosen, D (0)"),
+    ):
+        group.add_argument(f"--{name}", type=float, metavar="X", help=what)
+    group.add_argument("--index", type=float, help="refractive index, instead of --material")
+    orientation_options(group)
+
+
+def orientation_options(verb: Any) -> None:
+    """--face, --orientation, --z-towards, --flip-z: how the points of a file lie, where that is not to be found from them."""
+    verb.add_argument("--face", choices=["front", "back"], help="which face the surface is (front)")
+    verb.add_argument(
+        "--orientation",
+        metavar="CORNER-WAY",
+        help="first point, seen from the front, and how its row runs: top-left-rows, bottom-right-columns, ...",
+    )
+    verb.add_argument("--z-towards", choices=["eye", "scene"], help="the side to which z counts positive")
+    verb.add_argument("--flip-z", action="store_true", help="turn the sign of z")
 
 
 def accommodation_option(verb: argparse.ArgumentParser) -> None:
@@ -152,7 +178,7 @@ def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
 
 def load_cases(args: argparse.Namespace, path: Path, active: bool = False) -> list[tuple["Lens", "Wearer"]]:
     """The lens in a file, or all lenses of a session (the active one alone), each with its wearer: of --wearer, else of the
-    file, else assumed.
+    file, else assumed. What was assumed of a file that holds surfaces only is said on standard error.
     """
     from ..formats import load_pair, load_wearer
     from ..workbench import assumed_wearer
@@ -165,10 +191,57 @@ def load_cases(args: argparse.Namespace, path: Path, active: bool = False) -> li
             raise InputError(f"{path}: the session holds no lens")
         found = [bench.lenses[bench.lens]] if active else bench.lenses
         return [(entry.lens, load_wearer(args.wearer) if args.wearer else bench.active_wearer) for entry in found]
-    lens, told = load_pair(path, args.side, args.material)[0]
+    pair = load_pair(path, args.side, args.material, completion(args))
+    lens, told = pair[0]
+    if lens.note:
+        other = f" (the file also holds side {pair[1][0].side})" if len(pair) > 1 else ""
+        print(f"lensbench: {lens.note}{other}", file=sys.stderr)
     if args.wearer:
         return [(lens, load_wearer(args.wearer, lens.side))]
     return [(lens, told or assumed_wearer(lens))]
+
+
+def completion(args: argparse.Namespace) -> "Completion":
+    """What the options tell of a lens beside its surface file. Raises InputError."""
+    from ..formats.lone_surface import Completion
+    from ..optics.materials import Material
+
+    for name, least, most in (
+        ("thickness", 0.1, 50.0),
+        ("diameter", 5.0, 150.0),
+        ("power", -40.0, 40.0),
+        ("index", 1.2, 2.5),
+    ):
+        value = getattr(args, name)
+        if value is not None and not least <= value <= most:
+            raise InputError(f"--{name}: {value:g} is not from {least:g} to {most:g}")
+    for name in ("front_radius", "back_radius"):
+        value = getattr(args, name)
+        if value is not None and not abs(value) >= 5:
+            raise InputError(
+                f"--{name.replace('_', '-')}: {value:g} mm is no radius of a lens; it is 5 or more, or inf"
+            )
+    if args.index and args.material:
+        raise InputError("--index and --material both give the index: say one of them")
+    material = Material(f"n = {args.index:g}", args.index, args.index, 40.0, 1.3) if args.index else None
+    radii = args.front_radius, args.back_radius
+    return Completion(reading(args), material, args.thickness, *radii, args.diameter, args.power or 0.0)
+
+
+def reading(args: argparse.Namespace) -> "Reading":
+    """How the options say that points lie. Raises InputError."""
+    from ..formats.orientation import named
+    from ..formats.surface_data import Reading
+
+    order = named(args.orientation) if args.orientation else None
+    face = {"front": "F", "back": "B", None: ""}[args.face]
+    return Reading(
+        face=face,
+        first_point=order and order.first_point,
+        rows=order and order.rows,
+        z_towards=args.z_towards,
+        flip_z=args.flip_z,
+    )
 
 
 def kind_of(path: Path, *allowed: str) -> str:

@@ -12,12 +12,25 @@ from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..optics.surfaces import Surface
 from .lens_file import material_named
+from .lone_surface import Completion, completed_lenses
 from .own_toml import WEARER_FORMAT
 from .power_map import PowerMap
 from .registry import Writing, read_file, write_format
 from .surface_data import Reading, chosen
 
-__all__ = ["load", "load_lens", "load_pair", "load_power_map", "load_surface", "load_wearer", "read_file", "write"]
+__all__ = [
+    "Completion",
+    "Reading",
+    "Writing",
+    "load",
+    "load_lens",
+    "load_pair",
+    "load_power_map",
+    "load_surface",
+    "load_wearer",
+    "read_file",
+    "write",
+]
 
 
 def load(path: str | Path) -> Any:
@@ -29,35 +42,49 @@ def load(path: str | Path) -> Any:
     return items[0] if len(items) == 1 else items
 
 
-def load_lens(path: str | Path, side: str = "", material: str = "") -> Lens:
+def load_lens(path: str | Path, side: str = "", material: str = "", told: Completion | None = None) -> Lens:
     """The lens in a file; of a pair the one of a side "R" or "L" (the first, if none is named).
 
-    material: its name, or "n_d/Abbe number", for files that say nothing of it or to put another in its place. Raises
-    InputError.
+    material: its name, or "n_d/Abbe number", for files that say nothing of it or to put another in its place. told: what is
+    known of a lens of which the file holds surfaces only; the rest is assumed and said in the lens's note. Raises InputError.
     """
-    return load_pair(path, side, material)[0][0]
+    return load_pair(path, side, material, told)[0][0]
 
 
-def load_pair(path: str | Path, side: str = "", material: str = "") -> tuple[tuple[Lens, Wearer | None], ...]:
+def load_pair(
+    path: str | Path, side: str = "", material: str = "", told: Completion | None = None
+) -> tuple[tuple[Lens, Wearer | None], ...]:
     """The lenses of a file (of one side, if it is named), each with its wearer if the file tells of one; see load_lens."""
     chosen = material_named(material) if material else None
     items = read_file(path).items
     for item in items:
         if isinstance(item, Lens):
+            _needs_no_more(path, told)
             if side not in ("", item.side):
                 raise InputError(f"{path}: holds the lens of side {item.side}, not {side}; mirror it to get the other")
             return ((item if chosen is None else replace(item, material=chosen), None),)
         if hasattr(item, "wearer"):
+            _needs_no_more(path, told)
             sides = (side,) if side else tuple(item.lenses) or ("",)
             return tuple((item.lens(chosen, one), item.wearer(one)) for one in sides)
-        if hasattr(item, "lens"):
+        if hasattr(item, "lens") and None not in (item.front, item.back):
+            _needs_no_more(path, told)
             return ((item.lens(chosen, side), None),)
-    if items and hasattr(items[0], "fitted"):
-        held = f"{items[0].side} {items[0].face}"
-        raise InputError(
-            f'{path}: holds one surface ({held}); name it in a lens file: [front] type = "grid", file = "{Path(path).name}"'
+    held = [item for item in items if hasattr(item, "fitted")]
+    if held:
+        told = told or Completion()
+        told = replace(
+            told, reading=replace(told.reading, side=side or told.reading.side), material=chosen or told.material
         )
+        return tuple((lens, None) for lens in completed_lenses(Path(path), held, told))
     raise InputError(f"{path}: holds a {type(items[0]).__name__.lower()}, not a lens")
+
+
+def _needs_no_more(path: str | Path, told: Completion | None) -> None:
+    if told is not None and told != Completion():
+        raise InputError(
+            f"{path}: holds a whole lens; thickness, radii, diameter, power and orientation are told of lone surface files only"
+        )
 
 
 def load_wearer(path: str | Path, side: str = "") -> Wearer:

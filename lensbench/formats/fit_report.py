@@ -64,7 +64,8 @@ class Report:
     def _noise_powers(self) -> tuple[float, float]:
         """Expected rms errors of astigmatism, D: smoothed (noise, and as much again for what smoothing takes), interpolated."""
         smoothed = float(np.sqrt(2)) * 1000 * (self.reading.index - 1) * self.fit.astigmatism
-        return smoothed, power_noise(self.step, self.pitch, self.reading.index)
+        interpolated = power_noise(self.step, self.pitch, self.reading.index)
+        return min(smoothed, interpolated), interpolated
 
     def _power_noise(self, smoothed: float, interpolated: float) -> str:
         return (

@@ -10,8 +10,11 @@ from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..scenes.scene import Scene
 from .lens_file import build_lens
+from .lens_writer import write
 from .toml_file import read_toml
 from .wearer_file import build_wearer
+
+__all__ = ["read", "sniff", "write"]
 
 LENS_FORMAT, WEARER_FORMAT, SCENE_FORMAT = "lensbench-lens/1", "lensbench-wearer/1", "lensbench-scene/1"
 

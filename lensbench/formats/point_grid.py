@@ -74,7 +74,8 @@ class PointGrid:
         fit = _with_noise_found(lambda sigma: fit_grid(x, y, z, sigma), step / np.sqrt(12))
         report = Report(self.source, self._size(), min(self.pitch), self.digit, step, reading, decision, fit)
         facts = report.facts(refused, np.isnan(self.values), self.remark)
-        return Fitted(replace(fitted(fit, **reading.pose), note=report.line(facts)), facts)
+        reach = _reach(*np.meshgrid(x, y), ~np.isnan(o.to_lens(self.values)))
+        return Fitted(replace(fitted(fit, **reading.pose), note=report.line(facts)), facts, reach)
 
     def _size(self) -> str:
         rows, columns = self.values.shape
@@ -116,12 +117,23 @@ class PointCloud:
         pitch = float(np.sqrt(width * height / self.z.size))
         report = Report(self.source, size, pitch, self.digit, step, reading, decision, fit)
         facts = report.facts(refused, np.zeros(self.z.size, dtype=bool), self.remark)
-        return Fitted(replace(fitted(fit, **reading.pose), note=report.line(facts)), facts)
+        reach = min(-box[0], box[1], -box[2], box[3], float(np.hypot(x, y).max()))
+        return Fitted(replace(fitted(fit, **reading.pose), note=report.line(facts)), facts, float(reach))
 
 
 def completed(reading: Reading, side: str, face: str) -> Reading:
     """The reading with the side and face that the file says, where it has none of its own."""
     return replace(reading, side=reading.side or side, face=reading.face or face)
+
+
+def _reach(x: Floats, y: Floats, given: NDArray[np.bool_]) -> float:
+    """The largest radius about the origin within the grid of which no more than one point in 50 is missing, mm."""
+    inside = min(-x.min(), x.max(), -y.min(), y.max())
+    distance = np.hypot(x, y).ravel()
+    order = np.argsort(distance)
+    share = np.cumsum(~given.ravel()[order]) / np.arange(1, order.size + 1)
+    few = np.flatnonzero(share <= 0.02)
+    return float(min(inside, distance[order[few[-1]]])) if few.size else 0.0
 
 
 def _lens_axes(o: Orientation, u: Floats, v: Floats) -> tuple[Floats, Floats]:

@@ -20,7 +20,10 @@ HEAD = 4096
 
 
 class Format(NamedTuple):
-    """One format: name as in messages, what it is, its extensions, its module, and whether it can be read and written."""
+    """One format: name as in messages, what it is, its extensions, its module, and whether it can be read and written.
+
+    whole: it is written of whole lenses only.
+    """
 
     name: str
     title: str
@@ -28,6 +31,7 @@ class Format(NamedTuple):
     module: str
     reads: bool = True
     writes: bool = False
+    whole: bool = False
 
     def load(self) -> Any:
         """The module with sniff, read and write."""
@@ -61,19 +65,25 @@ class Written(NamedTuple):
 
 
 FORMATS = (
-    Format("TOML", "lens and wearer files of LensBench", (".toml",), "own_toml"),
+    Format("TOML", "lens and wearer files of LensBench", (".toml",), "own_toml", writes=True, whole=True),
     Format("SDF", "surface matrix of the VCA/OMA standard", (".sdf",), "sdf", writes=True),
+    Format("HMF", "height map", (".hmf",), "hmf", writes=True),
+    Format("Zemax grid", "grid sag of Zemax", (".dat", ".grd"), "zemax_grid", writes=True),
+    Format("Code V INT", "interferogram file of Code V with a surface", (".int",), "codev_int"),
+    Format(
+        "points", "x y z in mm, a point a line", (".xyz", ".txt", ".csv", ".asc", ".pts"), "point_list", writes=True
+    ),
     Format(
         "VCA job", "order, frame and lens of the VCA/OMA standard", (".lms", ".lds", ".oma", ".vca", ".job"), "vca_job"
     ),
     Format("ZMX", "sequential file of Zemax", (".zmx",), "zmx"),
-    Format("STEP", "CAD solid", (".step", ".stp"), "cad", writes=True),
+    Format("STEP", "CAD solid", (".step", ".stp"), "cad", writes=True, whole=True),
     Format("IGES", "CAD surfaces", (".igs", ".iges"), "cad"),
-    Format("STL", "mesh of triangles", (".stl",), "mesh", writes=True),
+    Format("STL", "mesh of triangles", (".stl",), "mesh", writes=True, whole=True),
     Format("mesh", "OBJ and PLY", (".obj", ".ply"), "mesh"),
     Format("JSON", "B-spline surface of LensBench", (".json",), "bspline_file", writes=True),
     Format("power map", "CSV of a lens mapper", (".csv",), "power_map"),
-    Format("VTK", "polygons with powers, for VTK programs", (".vtp",), "vtp", reads=False, writes=True),
+    Format("VTK", "polygons with powers, for VTK programs", (".vtp",), "vtp", reads=False, writes=True, whole=True),
 )
 
 

@@ -23,6 +23,7 @@ class Sampled:
     """A grid to be written: values (rows, columns) in the file's order and sign, mm, NaN where there is no surface.
 
     x (nx,), y (ny,): rising, mm, in the lens frame; z (ny, nx): mm, +z to the scene; width, height: along columns, rows.
+    slopes (3, ny, nx): along x, along y, and the mixed second derivative (1/mm), in the lens frame.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Sampled:
     y: Floats
     z: Floats
     orientation: Orientation
+    slopes: Floats
 
     @property
     def values(self) -> Floats:
@@ -129,5 +131,19 @@ def _sample(surface: Surface, name: str, side: str, face: str, writing: Writing,
             )
         axes.append(pitch * np.arange(-half, half + 1.0))
     x, y = axes
-    z = surface_height(surface, *np.meshgrid(x, y))
-    return Sampled(name, side, face, x, y, z, writing.orientation)
+    z, slopes = _heights(surface, *np.meshgrid(x, y))
+    return Sampled(name, side, face, x, y, z, writing.orientation, slopes)
+
+
+def _heights(surface: Surface, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """z (mm) over the vertex plane and its slopes (3, ...): exact for a surface without tilt, else by central differences."""
+    if not any(surface.tilt):
+        f, fx, fy, _, fxy, _ = surface.derivatives(x - surface.decentration[0], y - surface.decentration[1])
+        return f, np.array([fx, fy, fxy])
+    h = 1e-3
+    east, west, north, south = (
+        surface_height(surface, x + a * h, y + b * h) for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
+    )
+    corners = [surface_height(surface, x + a * h, y + b * h) * a * b for a in (1, -1) for b in (1, -1)]
+    mixed = sum(corners) / (4 * h * h)
+    return surface_height(surface, x, y), np.array([(east - west) / (2 * h), (north - south) / (2 * h), mixed])

@@ -14,10 +14,8 @@ from ..errors import InputError
 from .point_grid import PointGrid
 from .registry import Writing, Written
 from .sampling import sampled
-from .text import digit_of, number, read_text, sags, shown, whole
+from .text import MOST_POINTS, MOST_SIDE, digit_of, number, read_text, sags, shown, whole
 
-MOST_SIDE = 4000
-MOST_POINTS = 4_000_000
 _SIDES = {"R": "R", "L": "L", "RIGHT": "R", "LEFT": "L"}
 _FACES = {"F": "F", "B": "B", "FRONT": "F", "BACK": "B", "": "", "?": ""}
 

@@ -31,11 +31,13 @@ class Reading:
 class Fitted(NamedTuple):
     """A surface ready to be traced (its note says in one line how it was understood), and what there is to say of the fit.
 
-    facts: label, text with units, and the JSON-ready value behind it.
+    facts: label, text with units, and the JSON-ready value behind it. reach: radius about the origin, mm, within which there
+    are points.
     """
 
     surface: Surface
     facts: tuple[tuple[str, str, object], ...]
+    reach: float = float("inf")
 
 
 class SurfaceData(Protocol):

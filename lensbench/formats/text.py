@@ -2,6 +2,7 @@
 
 import codecs
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -56,6 +57,8 @@ def _plain(text: str) -> str | None:
 
 
 MOST_SAG = 1000.0
+MOST_SIDE = 4000
+MOST_POINTS = 4_000_000
 UNKNOWN = ("?", "")
 
 
@@ -121,3 +124,12 @@ def _hint(text: str) -> str:
     return (
         "; a missing value is written ?" if text.strip().lower() in ("nan", "inf", "-inf", "none", "null", "na") else ""
     )
+
+
+def side_in_name(path: Path) -> str:
+    """The side that a file's name says at its start or end: R_job.xyz, jobL.txt, lens_R.hmf, right.csv; "" if it says none."""
+    stem = path.stem
+    found = re.search(r"(?:^|[_\-. ])(R|L|right|left)$|^(R|L|right|left)[_\-. ]", stem, re.IGNORECASE)
+    found = found or re.fullmatch(r"(R|L)?\d+(R|L)?", stem)
+    word = next((g for g in found.groups() if g), "") if found else ""
+    return word[:1].upper()

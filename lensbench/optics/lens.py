@@ -145,7 +145,10 @@ class EdgeThickness(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lens:
-    """A spectacle lens. side: "R" or "L". wavelength: reference line, "d" or "e". centre_thickness: mm at the vertices."""
+    """A spectacle lens. side: "R" or "L". wavelength: reference line, "d" or "e". centre_thickness: mm at the vertices.
+
+    note: what was assumed where its file leaves something open, one line.
+    """
 
     front: Surface
     back: Surface
@@ -157,6 +160,7 @@ class Lens:
     points: Points = field(default_factory=Points)
     ordered: Order | None = None
     name: str = ""
+    note: str = ""
 
     @property
     def index(self) -> float:

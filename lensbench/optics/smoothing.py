@@ -96,6 +96,13 @@ def evaluate(fit: SplineFit, x: Floats, y: Floats) -> Floats:
     return by @ (bx @ fit.coefficients.T).T
 
 
+def derivatives(fit: SplineFit, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Slopes (ny, nx) along x and along y of a fit on the grid x (nx,), y (ny,)."""
+    unit_x, unit_y = (BSpline(t, np.eye(t.size - DEGREE - 1), DEGREE) for t in (fit.knots_x, fit.knots_y))
+    c = fit.coefficients
+    return unit_y(y) @ c @ unit_x(x, nu=1).T, unit_y(y, nu=1) @ c @ unit_x(x).T
+
+
 def _fit_whole(ax: _Axis, ay: _Axis, sag: Floats, sigma: float) -> tuple[SplineFit, float]:
     """Fit of a grid without gaps, and its weight of roughness: in these bases smoothing shrinks each coefficient by itself."""
     c = ay.basis.T @ sag @ ax.basis

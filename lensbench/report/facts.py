@@ -42,8 +42,8 @@ def misfit(lens: Lens, wearer: Wearer) -> str:
     )
 
 
-def file_facts(found: Any) -> list[Fact]:
-    """What a file holds: a lens, a wearer, one surface, or whatever has facts() of its own."""
+def file_facts(found: Any, reading: Reading | None = None) -> list[Fact]:
+    """What a file holds: a lens, a wearer, one surface (read as told), or whatever has facts() of its own."""
     if isinstance(found, Lens):
         return [Fact("File", "a lens", "lens"), *lens_facts(found)]
     if isinstance(found, Wearer):
@@ -53,7 +53,7 @@ def file_facts(found: Any) -> list[Fact]:
     if hasattr(found, "facts"):
         return [Fact(*fact) for fact in found.facts()]
     what = f"a surface: side {found.side or '?'}, face {found.face or '?'}"
-    fitted = found.fitted(Reading(found.side, found.face))
+    fitted = found.fitted(reading or Reading())
     return [Fact("File", what, "surface"), *(Fact(*fact) for fact in fitted.facts)]
 
 
@@ -79,6 +79,7 @@ def lens_facts(lens: Lens) -> list[Fact]:
     weight = lens.weight()
     facts = [
         Fact("Name", lens.name, lens.name),
+        *([Fact("Understood", lens.note, lens.note)] if lens.note else []),
         Fact("Side", {"R": "right", "L": "left"}[lens.side], lens.side),
         Fact(
             "Material",
