@@ -247,10 +247,12 @@ def _rise(power: Floats) -> Floats:
 def _near_shift(shape: Shape, power: Floats) -> float:
     """How far (mm, towards +x) the power over the lower half lies from the middle, by least squares on its even part.
 
-    power: (k, k) in the lens's order, rows of rising y.
+    Only what differs between opposite points counts: that leaves out a torus or asphere beneath. power: (k, k), rows of
+    rising y.
     """
     x, y = np.meshgrid(_AT, _AT)
-    even, odd = (power + power[:, ::-1]) / 2, (power - power[:, ::-1]) / 2
+    progressive = power - power[::-1, ::-1]
+    even, odd = (progressive + progressive[:, ::-1]) / 2, (progressive - progressive[:, ::-1]) / 2
     slope = np.gradient(even, _AT * shape.half, axis=1)
     low = (y < -0.25) & (np.hypot(x, y) < 0.95) & (np.abs(x) < 0.6)
     return float(-np.sum(odd[low] * slope[low]) / max(np.sum(slope[low] ** 2), 1e-12))

@@ -6,9 +6,9 @@ from scipy.ndimage import maximum_filter, median_filter
 
 from ..optics.conventions import Floats
 
-STANDS_OUT = 10.0
-_WEIGHTS = ((1, 0.75), (2, -0.3), (3, 0.05))
-_OWN_STEPS = 3.0
+STANDS_OUT, OWN_STEPS = 10.0, 3.0
+MOST_ROUNDS = 12
+_MADE = np.array([-0.05, 0.3, -0.75, 1.0, -0.75, 0.3, -0.05])  # errors around a value that is wrong by 1
 
 
 def rounding_step(values: Floats, digit: float) -> float:
@@ -31,45 +31,42 @@ def rounding_step(values: Floats, digit: float) -> float:
 
 
 def spikes(values: Floats, step: float) -> NDArray[np.bool_]:
-    """Single values of a grid (NaN: missing) that stand out from both their row and their column.
+    """Single values of a grid (NaN: missing) that stand out from their row and their column.
 
     Each value is compared with the one that the polynomial of degree 5 through three neighbours on each side predicts
     (of the two predictions, row and column, the nearer one counts). It stands out when it is off by more than 3 rounding
-    steps plus 10 times the robust standard deviation (1.4826 times the median) of that error among its 11 x 11 neighbours.
-    Steps and edges that run through the surface stand out as rows of values and are left alone.
+    steps plus 10 times the robust standard deviation (1.4826 times the median) of that error among its 11 x 11 neighbours,
+    and when it alone explains the errors of its neighbours: what it leaves of them is less than a third.
     """
     left = values.copy()
-    for _ in range(8):
-        error = _least_error(left)
-        known = np.isfinite(error)
+    for _ in range(MOST_ROUNDS):
+        errors = _prediction_error(left), _prediction_error(left.T).T
+        least = np.fmin(*(np.abs(e) for e in errors))
+        known = np.isfinite(least)
         if not known.any():
             break
-        typical = 1.4826 * median_filter(np.where(known, error, np.median(error[known])), 11, mode="nearest")
-        excess = np.where(known, error, 0.0) - _OWN_STEPS * step - STANDS_OUT * typical
-        found = (excess > 0) & (excess == maximum_filter(excess, 7, mode="constant"))
-        if not found.any():
+        typical = 1.4826 * median_filter(np.where(known, least, np.median(least[known])), 11, mode="nearest")
+        excess = np.where(known, least - OWN_STEPS * step - STANDS_OUT * typical, 0.0)
+        peaks = np.argwhere((excess > 0) & (excess == maximum_filter(excess, 7, mode="constant")))
+        found = [(r, c) for r, c in peaks if _alone(errors[0][r], c) and _alone(errors[1][:, c], r)]
+        if not found:
             break
-        left[found] = np.nan
-    refused = np.isnan(left) & ~np.isnan(values)
-    return refused & ~_crowded(refused)
+        left[tuple(np.transpose(found))] = np.nan
+    return np.isnan(left) & ~np.isnan(values)
 
 
-def _crowded(refused: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which refused values have more than three others within 5 points: a feature of the surface, not a spike."""
-    near = np.zeros(refused.shape)
-    for row, column in np.argwhere(refused):
-        near[max(0, row - 5) : row + 6, max(0, column - 5) : column + 6] += 1
-    return near > 4
-
-
-def _least_error(values: Floats) -> Floats:
-    """The smaller of the errors of the predictions along the row and along the column; NaN where there is neither."""
-    by_row, by_column = (_prediction_error(v) for v in (values, values.T))
-    return np.fmin(by_row, by_column.T)
+def _alone(errors: Floats, at: int) -> bool:
+    """Whether the errors around a place of a row are those that one wrong value there makes; True where none is known."""
+    window = np.pad(errors, 3, constant_values=np.nan)[at : at + 7]
+    known = np.isfinite(window)
+    if not known.any():
+        return True
+    seen, made = window[known], _MADE[known]
+    left = seen - made * np.sum(seen * made) / np.sum(made**2)
+    return bool(np.sum(left**2) < np.sum(seen**2) / 9)
 
 
 def _prediction_error(values: Floats) -> Floats:
+    """What each value is off from the prediction along its row; NaN without three neighbours on each side."""
     padded = np.pad(values, ((0, 0), (3, 3)), constant_values=np.nan)
-    n = values.shape[1]
-    predicted = sum(w * (padded[:, 3 - k : 3 - k + n] + padded[:, 3 + k : 3 + k + n]) for k, w in _WEIGHTS)
-    return np.abs(values - predicted)
+    return sum(w * padded[:, k : k + values.shape[1]] for k, w in enumerate(_MADE))

@@ -114,10 +114,11 @@ def _layout(path: Path, lines: list[tuple[int, str]]) -> tuple[_Layout, list[tup
         fields = _split(first, _separator(first))
         places = header["x"], header["y"], header["z"]
         return _Layout(separator, places, tuple(_unit(fields[p]) for p in places), max(count, 3)), lines[1:]  # type: ignore[arg-type]
-    if re.search(r"[A-Za-z]{2}|^[xyz]\b", first.lower()) and not re.fullmatch(r"[-+.\deE\s;,?]+", first):
+    if re.search(r"[a-z]{2}|^[xyz]\b", re.sub(r"\b(nan|inf)\b", "", first.lower())):
         raise InputError(f"{path}, line {lines[0][0]}: the header {shown(first)} does not name x, y and z (or sag)")
     if count < 3:
-        raise InputError(f"{path}, line {lines[-1][0]}: {count} values; a point needs x y z")
+        hint = "; write decimal points, not commas" if re.search(r"\d,\d", lines[-1][1]) else ""
+        raise InputError(f"{path}, line {lines[-1][0]}: {count} values; a point needs x y z{hint}")
     return _Layout(separator, (0, 1, 2), (1.0, 1.0, 1.0), count), lines
 
 

@@ -33,11 +33,11 @@ def read_text(path: Path) -> str:
     if text is None:
         byte = next((k for k, b in enumerate(data) if b in _NO_TEXT), 0)
         raise InputError(f"{path}: byte {byte + 1} is not text (UTF-8, UTF-16 or Latin-1)")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    return text
 
 
 def decoded(data: bytes) -> str | None:
-    """The text of bytes, or None where they are no text: control characters, odd UTF-16."""
+    """The text of bytes, its line ends made \\n, or None where they are no text: control characters, odd UTF-16."""
     for mark, encoding in _MARKS:
         if data.startswith(mark):
             return _plain(data[len(mark) :].decode(encoding, errors="replace"))
@@ -52,7 +52,7 @@ def decoded(data: bytes) -> str | None:
 
 def _plain(text: str) -> str | None:
     """The text without a closing Ctrl-Z; None if it holds characters that no text has."""
-    text = text.rstrip("\x1a\0")
+    text = text.rstrip("\x1a\0").replace("\r\n", "\n").replace("\r", "\n")
     return None if "\ufffd" in text or any(chr(code) in text for code in _NO_TEXT) else text
 
 
@@ -85,7 +85,7 @@ def sags(place: str, fields: Sequence[str], first: int = 1) -> Floats:
     """Sags of a line in mm; NaN where a field is empty or "?". Raises InputError naming the place and the value's number."""
     try:
         values = np.array(fields, dtype=float)
-        plain = bool(np.all(np.abs(values) <= MOST_SAG))
+        plain = bool(np.all(np.abs(values) <= MOST_SAG)) and not any("_" in f for f in fields)
     except ValueError:
         plain = False
     return values if plain else np.array([_sag(f"{place}, value {k}", f) for k, f in enumerate(fields, start=first)])

@@ -34,7 +34,7 @@ def sniff(head: bytes, text: str) -> float:
         numbers = [[float(f) for f in row] for row in fields]
     except ValueError:
         return 0.0
-    whole_counts = len(numbers[0]) in (6, 7) and all(n == int(n) and n >= 2 for n in numbers[0][:2])
+    whole_counts = len(numbers[0]) in (6, 7) and all(n.is_integer() for n in numbers[0][:2])
     return 0.9 if whole_counts and all(len(row) in (1, 4, 5) for row in numbers[1:]) else 0.0
 
 

@@ -200,7 +200,7 @@ def fit_points(x: Floats, y: Floats, sag: Floats, sigma: float, box: tuple[float
         rough.append(csr_array(_products(knots[-1], breaks, 3)))
     design = _row_products(bases[1], bases[0])
     area = (box[1] - box[0]) * (box[3] - box[2])
-    penalty = _banded((kron(mass[1], rough[0]) + kron(rough[1], mass[0])) * (sag.size / area))
+    penalty = _banded((kron(mass[1], rough[0], "coo") + kron(rough[1], mass[0], "coo")) * (sag.size / area))
     normal, right = _banded(design.T @ design), design.T @ sag
 
     def solved(weight: float) -> Floats:
