@@ -6,12 +6,13 @@ import numba
 
 from lensbench.output import to_json, write_file
 
+from .files import reading_points
 from .latency import map_latency
 from .rays import rays_against_batoid
 from .report import report_split
 from .timing import ROOT
 
-PARTS = (rays_against_batoid, map_latency, report_split)
+PARTS = (rays_against_batoid, map_latency, reading_points, report_split)
 
 
 def main() -> int:

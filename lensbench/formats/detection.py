@@ -66,7 +66,7 @@ def shape_of(u: Floats, v: Floats, z: Floats, sigma: float) -> Shape:
     near = np.flatnonzero((np.abs(u) <= 1.2 * half) & (np.abs(v) <= 1.2 * half))
     near = near[:: max(1, near.size // MOST_POINTS)] if near.size >= LEAST_POINTS else np.arange(u.size)
     design = _terms(u[near] / half, v[near] / half)
-    spread = np.linalg.pinv(design.T @ design)
+    spread = np.linalg.pinv(design.T @ design, hermitian=True)
     coefficients = spread @ (design.T @ z[near])
     fu, fv, uu, uv, vv = (r @ coefficients / half**order for r, order in zip(_samples(), (1, 1, 2, 2, 2), strict=True))
     w = 1 + fu**2 + fv**2
@@ -109,7 +109,7 @@ def decide(source: str, shape: Shape, reading: Reading, stated: Orientation | No
     case = _Case(source, shape, reading, stated, *_sign(source, shape, reading, stated))
     candidates = case.candidates()
     if len(candidates) == 1:
-        return case.decided(candidates, "as told")
+        return case.decided(candidates, "as told" + case.objection(candidates[0]))
     if case.all_same(candidates):
         return case.decided(candidates, "any order of the points gives the same surface")
     power = case.power()
@@ -191,6 +191,19 @@ class _Case(NamedTuple):
             if power > least or np.abs(slope - other_slope).max() > SAME_SLOPE:
                 return False
         return True
+
+    def objection(self, told: Orientation) -> str:
+        """What the shape says against an orientation that was told; "" if nothing."""
+        try:
+            found = decide(
+                self.source, self.shape, Reading(self.reading.side, self.reading.face, self.reading.index), None
+            )
+        except InputError:
+            return ""
+        o = found.orientation
+        if o.z_towards == told.z_towards and self.all_same([told, o]):
+            return ""
+        return f", although the shape speaks for {o.name}, z towards the {o.z_towards}"
 
     def decided(self, orders: list[Orientation], why: str, evidence: float = np.inf, side: str = "") -> Decision:
         """The first of these orders."""

@@ -2,11 +2,11 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter, median_filter
+from scipy.ndimage import maximum_filter
 
 from ..optics.conventions import Floats
 
-STANDS_OUT, OWN_STEPS = 10.0, 3.0
+STANDS_OUT, OWN_STEPS, LEAST_MEDIANS = 10.0, 3.0, 7.0
 MOST_ROUNDS = 12
 _MADE = np.array([-0.05, 0.3, -0.75, 1.0, -0.75, 0.3, -0.05])  # errors around a value that is wrong by 1
 
@@ -36,23 +36,32 @@ def spikes(values: Floats, step: float) -> NDArray[np.bool_]:
     Each value is compared with the one that the polynomial of degree 5 through three neighbours on each side predicts
     (of the two predictions, row and column, the nearer one counts). It stands out when it is off by more than 3 rounding
     steps plus 10 times the robust standard deviation (1.4826 times the median) of that error among its 11 x 11 neighbours,
-    and when it alone explains the errors of its neighbours: what it leaves of them is less than a third.
+    by more than 7 times its median over the grid, and when it alone explains the errors of its neighbours: what it leaves of
+    them is less than a third.
     """
     left = values.copy()
     for _ in range(MOST_ROUNDS):
         errors = _prediction_error(left), _prediction_error(left.T).T
-        least = np.fmin(*(np.abs(e) for e in errors))
-        known = np.isfinite(least)
-        if not known.any():
-            break
-        typical = 1.4826 * median_filter(np.where(known, least, np.median(least[known])), 11, mode="nearest")
-        excess = np.where(known, least - OWN_STEPS * step - STANDS_OUT * typical, 0.0)
-        peaks = np.argwhere((excess > 0) & (excess == maximum_filter(excess, 7, mode="constant")))
-        found = [(r, c) for r, c in peaks if _alone(errors[0][r], c) and _alone(errors[1][:, c], r)]
+        least = np.nan_to_num(np.fmin(*(np.abs(e) for e in errors)))
+        floor = max(OWN_STEPS * step, LEAST_MEDIANS * float(np.median(least)))
+        peaks = np.argwhere((least > floor) & (least == maximum_filter(least, 7, mode="constant")))
+        found = [
+            (r, c)
+            for r, c in peaks
+            if least[r, c] > OWN_STEPS * step + STANDS_OUT * _typical(least, r, c)
+            and _alone(errors[0][r], c)
+            and _alone(errors[1][:, c], r)
+        ]
         if not found:
             break
         left[tuple(np.transpose(found))] = np.nan
     return np.isnan(left) & ~np.isnan(values)
+
+
+def _typical(errors: Floats, row: int, column: int) -> float:
+    """Robust standard deviation of the errors in the 11 x 11 points around one."""
+    around = errors[max(0, row - 5) : row + 6, max(0, column - 5) : column + 6]
+    return 1.4826 * float(np.median(around))
 
 
 def _alone(errors: Floats, at: int) -> bool:

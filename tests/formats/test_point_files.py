@@ -132,6 +132,15 @@ def test_a_torus_in_a_format_that_states_its_order_is_taken_as_stated(tmp_path):
     assert surface.sag(11.0, 7.0) == pytest.approx(torus.sag(11.0, 7.0), abs=1e-6)
 
 
+def test_a_told_orientation_stands_against_the_shape_which_objects():
+    grid = lb.load(SAMPLES / "regular_R.sdf")
+    right = grid.fitted(Reading(first_point="top-left", rows="horizontal", z_towards="eye")).surface
+    assert "although" not in right.note
+    wrong = grid.fitted(Reading(first_point="bottom-left", rows="horizontal", z_towards="eye")).surface
+    assert "although the shape speaks for top-left-rows" in wrong.note
+    assert wrong.sag(3.0, -9.0) == pytest.approx(float(right.sag(3.0, 9.0)), abs=1e-6)
+
+
 def test_orientations_have_inverses():
     z = np.arange(12.0).reshape(3, 4)
     for o in ALL:
