@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..optics.conventions import Floats, astigmatism, mean_power
 from ..optics.eye import Wearer
-from ..optics.gaze import look_through
+from ..optics.gaze import look_at, worn_pose
 from ..optics.lens import Lens, Order
 from ..optics.ordered import wearer_as_ordered
 from ..optics.polar_mesh import lens_triangles
@@ -45,7 +45,8 @@ def vtp_text(lens: Lens, wearer: Wearer, distance: float = np.inf) -> str:
     for name, surface, sign in (("front", lens.front, 1), ("back", lens.back, -1)):
         power = sign * _surface_power(surface, x, y, lens.index)
         arrays |= {f"{name}_mean_power_D": mean_power(power), f"{name}_astigmatism_D": astigmatism(power)}
-    worn = look_through(lens, wearer, x, y).as_worn_matrix(distance)
+    front = worn_pose(lens, wearer.wear).to_wear(points[:half])
+    worn = look_at(lens, wearer, front, within_outline=False).as_worn_matrix(distance)
     arrays |= {"as_worn_mean_power_D": mean_power(worn), "as_worn_astigmatism_D": astigmatism(worn)}
     caps = (len(triangles) - 2 * AROUND) // 2
     part = np.repeat([FRONT, BACK, EDGE], [caps, caps, 2 * AROUND])

@@ -89,7 +89,9 @@ def test_vtk_reads_the_lens_with_its_powers(tmp_path, lens_of):
     assert skin.point_data["thickness_mm"] == pytest.approx(lens.thickness(*skin.points[:, :2].T), abs=1e-9)
     front = skin.points[: skin.n_points // 2]
     assert front[:, 2] == pytest.approx(lens.front_height(*front[:, :2].T), abs=1e-9)
-    worn = lb.look_through(lens, wearer, front[::50, 0], front[::50, 1]).as_worn_matrix(400.0)
+    inner = lens.outline.contains(*(1.001 * front[:, :2]).T)
+    worn = lb.look_through(lens, wearer, *front[inner, :2].T).as_worn_matrix(400.0)
     mine = skin.point_data["as_worn_mean_power_D"][: skin.n_points // 2]
-    assert mine[::50] == pytest.approx(mean_power(worn), abs=1e-9, nan_ok=True)
+    assert mine[inner] == pytest.approx(mean_power(worn), abs=1e-9)
+    assert np.isfinite(mine).all()
     assert np.nanmax(np.abs(skin.point_data["front_mean_power_D"] - 600 / 90)) < 1e-9
