@@ -41,12 +41,13 @@ def check_file(args: argparse.Namespace) -> None:
     from ..report.facts import file_facts
 
     read = replace(reading(args), side=args.side)
-    facts = [fact for item in read_file(args.file).items for fact in file_facts(item, read)]
+    held = [file_facts(item, read) for item in read_file(args.file).items]
     if args.json:
-        print(to_json({fact.label: fact.value for fact in facts}))
+        tables = [{fact.label: fact.value for fact in facts} for facts in held]
+        print(to_json(tables[0] if len(tables) == 1 else tables))
     else:
-        width = max(len(fact.label) for fact in facts)
-        print("\n".join(f"{fact.label:<{width}}  {fact.text}" for fact in facts))
+        width = max(len(fact.label) for facts in held for fact in facts)
+        print("\n".join(f"{fact.label:<{width}}  {fact.text}" for facts in held for fact in facts))
 
 
 def convert(args: argparse.Namespace) -> None:

@@ -64,9 +64,10 @@ def load_pair(
                 raise InputError(f"{path}: holds the lens of side {item.side}, not {side}; mirror it to get the other")
             return ((item if chosen is None else replace(item, material=chosen), None),)
         if hasattr(item, "wearer"):
-            _needs_no_more(path, told)
-            sides = (side,) if side else tuple(item.lenses) or ("",)
-            return tuple((item.lens(chosen, one), item.wearer(one)) for one in sides)
+            lie = told.reading if told else Reading()
+            _needs_no_more(path, told and replace(told, reading=Reading()))
+            sides = (side,) if side else item.sides or ("",)
+            return tuple((item.lens(chosen, one, lie), item.wearer(one)) for one in sides)
         if hasattr(item, "lens") and None not in (item.front, item.back):
             _needs_no_more(path, told)
             return ((item.lens(chosen, side), None),)

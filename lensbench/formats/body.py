@@ -36,7 +36,7 @@ class Body:
 
     def facts(self) -> list[tuple[str, str, object]]:
         """Label, text and value of what was understood."""
-        lines = [("Understood", line, line) for line in self.understood]
+        lines = [(f"Understood {k}", line, line) for k, line in enumerate(self.understood, start=1)]
         missing = () if self.material else (("Material", "none in the file: name one with --material", None),)
         return [("File", "the body of a lens", "body"), *lines, *missing]
 
@@ -48,7 +48,10 @@ class Body:
         if chosen is None:
             raise InputError(f"{self.path}: says nothing of the material; name one: --material MR-8")
         outline = self.outline or circle_outline(USUAL_DIAMETER)
-        lens = Lens(self.front, self.back, self.centre_thickness, chosen, outline, side or "R", name=self.path.stem)
+        name, note = self.path.stem, "; ".join(self.understood)
+        lens = Lens(
+            self.front, self.back, self.centre_thickness, chosen, outline, side or "R", name=name, note=note
+        )  # fmt: skip
         check_body(self.path, lens)
         return lens
 

@@ -91,6 +91,26 @@ SURFACES = {
 }
 
 
+@pytest.mark.parametrize("stop_at", [0, 3])
+def test_a_grid_beside_the_file_adds_to_its_asphere(tmp_path, stop_at):
+    """The grid file is written here after the user guide: first point at -x, +y, x fastest; z along the light."""
+
+    def bump(x, y):
+        return 0.02 * np.exp(-((x - 5) ** 2 + (y + 9) ** 2) / 150)
+
+    g = np.linspace(-32, 32, 65)
+    gx, gy = np.meshgrid(g, g[::-1])
+    lines = "".join(f"{z:.9f} 0 0 0\n" for z in bump(gx, gy).ravel())
+    (tmp_path / "bump.dat").write_text(f"65 65 1 1 0 0 0\n{lines}")
+    front = "  TYPE GRID_SAG\n  CURV 0.01\n  CONI -0.5\n  COMM bump.dat\n"
+    body = read_file(saved(tmp_path, zmx(front, stop_at=stop_at))).items[0]
+    depth = conic(0.01, -0.5, X**2 + Y**2)
+    wanted = depth + bump(X, Y) if stop_at == 0 else -(depth + bump(-X, Y))
+    found = (body.back if stop_at == 0 else body.front).sag(X, Y)
+    assert found - found[3, 4] == pytest.approx(wanted - wanted[3, 4], abs=1e-6)
+    assert "GRID_SAG, refitted" in body.understood[0]
+
+
 @pytest.mark.parametrize("name", SURFACES)
 @pytest.mark.parametrize("stop_at", [0, 3])
 def test_every_surface_type(tmp_path, name, stop_at):
