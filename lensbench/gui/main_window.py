@@ -29,7 +29,7 @@ from .. import __version__
 from ..errors import LensBenchError
 from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
 from ..optics.materials import MATERIALS
-from ..session import SPLITS, Workbench, load_session, save_session
+from ..session import SPLITS, Pane, Workbench, load_session, save_session
 from .document import Document
 from .fields import GROUPS, with_material
 from .files import opened
@@ -178,6 +178,7 @@ class MainWindow(QMainWindow):
         view.addSeparator()
         self._action(view, "&Flip between two lenses", self.flip, "Space")
         self._action(view, "Difference of the two lenses", self._difference, "Ctrl+D")
+        self._action(view, "Two lenses side by side", self._side_by_side, "Ctrl+Shift+D")
         self._action(view, "&Stop computing", self.stop, "Esc")
         self._action(view, "Full screen", self._full_screen, "F11")
         self.dark = self._action(view, "&Dark", lambda: self._theme(self.dark.isChecked()))
@@ -241,8 +242,9 @@ class MainWindow(QMainWindow):
         lens = bench.lens_of(bench.panes[sender.k]) if isinstance(sender, Viewport) else bench.active_lens
         if lens is None:
             return
-        layer = ProbeLayer(point, direction, bench.distance, bench.accommodation)
-        scene = bench.scene if bench.distance == "scene" else ""
+        distance = bench.distance if direction is None else "scene"
+        layer = ProbeLayer(point, direction, distance, bench.accommodation)
+        scene = bench.scene if distance == "scene" else ""
         self.lane.ask("probe", partial(answer_with_scene, lens, bench.active_wearer, layer, scene), first=True)
 
     def _answered(self, asker: str, answer: Any) -> None:
@@ -251,6 +253,9 @@ class MainWindow(QMainWindow):
             self.probe_panel.show_probe(answer)
             for viewport in self.viewports[: self.document.workbench.split]:
                 viewport.show_probe(answer)
+        elif asker.startswith("viewport"):
+            for viewport in self.viewports[: self.document.workbench.split]:
+                viewport.show_probe(self.probe)
         elif asker == "points":
             self.points.show_readings(answer)
         elif asker == "tolerances":
@@ -328,10 +333,8 @@ class MainWindow(QMainWindow):
 
     def flip(self) -> None:
         """Make the lens active that was active before: A/B."""
-        bench, other = self.document.workbench, self._flip_to
-        if other is None or other == bench.lens or other >= len(bench.lenses):
-            other = (bench.lens + 1) % max(1, len(bench.lenses))
-        if other != bench.lens:
+        other = self._other_lens()
+        if other is not None:
             self.document.edit("Flip between lenses", lambda bench: replace(bench, lens=other), "flip")
 
     def stop(self) -> None:
@@ -350,15 +353,39 @@ class MainWindow(QMainWindow):
         self.document.edit("Number of viewports", lambda bench: replace(bench, split=split))
 
     def _difference(self) -> None:
-        bench = self.document.workbench
-        if len(bench.lenses) < 2:
-            self.say("a difference needs two lenses: open another one")
+        bench, other = self.document.workbench, self._other_lens()
+        if other is None:
             return
-        other = self._flip_to if self._flip_to is not None and self._flip_to < len(bench.lenses) else 0
-        other = other if other != bench.lens else (bench.lens + 1) % len(bench.lenses)
         shown = next((k for k in range(bench.split) if bench.panes[k].kind == "map"), 0)
         self.document.edit(
             "Difference of two lenses", lambda b: b.with_pane(shown, kind="map", lens=b.lens, minus=other)
+        )
+
+    def _side_by_side(self) -> None:
+        """The active lens, the other one, their difference, and the profiles of both."""
+        other = self._other_lens()
+        if other is None:
+            return
+
+        def make(bench: Workbench) -> Workbench:
+            quantity = next((p.quantity for p in bench.panes if p.kind == "map"), "astigmatism")
+            panes = (
+                Pane("map", quantity, bench.lens),
+                Pane("map", quantity, other),
+                Pane("map", quantity, bench.lens, other),
+            )
+            return replace(bench, split=4, panes=(*panes, Pane("profile")))
+
+        self.document.edit("Two lenses side by side", make)
+
+    def _other_lens(self) -> int | None:
+        """The lens that was active before, or the next one."""
+        bench, other = self.document.workbench, self._flip_to
+        if len(bench.lenses) < 2:
+            self.say("this needs two lenses: open another one")
+            return None
+        return (
+            (bench.lens + 1) % len(bench.lenses) if other in (None, bench.lens) or other >= len(bench.lenses) else other
         )
 
     def _remove_lens(self) -> None:

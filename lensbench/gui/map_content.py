@@ -1,6 +1,5 @@
 """A flat map in its viewport: the report's bands, isolines and marks, drawn fast enough to follow a slider."""
 
-from functools import partial
 from typing import Any
 
 import contourpy
@@ -10,17 +9,15 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QPainterPath, QPolygonF
 from PySide6.QtWidgets import QGraphicsPathItem, QVBoxLayout
 
-from ..compare import difference
-from ..layers import LensMap, MapLayer, Probe
+from ..layers import LensMap, Probe
 from ..optics.conventions import Floats
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
-from ..views.bands import Bands, extended, map_bands
+from ..views.bands import Bands, extended
 from .colour_bar import ColourBar
 from .content import Content
-from .scene_source import answer_with_scene
+from .map_source import BandedMap, map_question
 
-SAMPLES = 121
 _FINE = 5  # pixels of the picture a sample
 _WIDTHS = (0.6, 1.1, 2.0)
 _APART = 5.0  # mm between the names of levels
@@ -51,30 +48,18 @@ class MapContent(Content):
         self.cross.setVisible(False)
         self.plot.addItem(self.cross)
         self.plot.scene().sigMouseMoved.connect(self._moved)
-        self._shown: tuple[Any, ...] | None = None
+        self._shown: tuple[BandedMap, Pane] | None = None
         self._framed: Lens | None = None
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
-        if lens is None:
-            return None
-        layer = MapLayer(pane.quantity, bench.distance, bench.accommodation, SAMPLES)
-        scene = bench.scene if bench.distance == "scene" else ""
-        if pane.minus is None or pane.minus >= len(bench.lenses):
-            return (lens, wearer, layer, scene, pane), partial(answer_with_scene, lens, wearer, layer, scene)
-        reference = bench.lenses[pane.minus].lens
-        return (lens, reference, wearer, layer, pane), partial(difference, lens, reference, wearer, layer)
+        return map_question(bench, pane)
 
-    def show_answer(self, answer: LensMap, bench: Workbench, pane: Pane) -> None:
-        lens = bench.lens_of(pane)
-        assert lens is not None
-        limits = None if pane.low is None or pane.high is None else (pane.low, pane.high)
-        bands = map_bands(lens, answer, pane.step, limits)
-        self._shown = lens, answer, pane, limits
-        self._draw_bands(lens, answer, bands)
-        self._draw_lines(lens, answer, bands)
-        self.bar.show_bands(bands, answer.label, answer.unit)
-        self._frame(lens)
+    def show_answer(self, answer: BandedMap, bench: Workbench, pane: Pane) -> None:
+        self._shown = answer, pane
+        self._draw_bands(*answer[:3])
+        self._draw_lines(*answer[:3])
+        self.bar.show_bands(answer.bands, answer.lens_map.label, answer.lens_map.unit)
+        self._frame(answer.lens)
 
     def show_probe(self, probe: Probe | None) -> None:
         known = probe is not None and np.isfinite(probe.point).all()
@@ -87,8 +72,8 @@ class MapContent(Content):
 
         if self._shown is None:
             return None
-        lens, lens_map, pane, limits = self._shown
-        return map_figure(lens, lens_map, pane.step, limits)
+        banded, pane = self._shown
+        return map_figure(banded.lens, banded.lens_map, pane.step, banded.limits)
 
     def _draw_bands(self, lens: Lens, lens_map: LensMap, bands: Bands) -> None:
         image, box = band_image(lens, lens_map, bands)
@@ -161,7 +146,7 @@ class MapContent(Content):
         if self._shown is None or not self.plot.sceneBoundingRect().contains(position):
             return
         point = self.plot.plotItem.vb.mapSceneToView(position)
-        if self._shown[0].outline.contains(point.x(), point.y()):
+        if self._shown[0].lens.outline.contains(point.x(), point.y()):
             self.pointed.emit((point.x(), point.y()), None)
 
 

@@ -117,6 +117,7 @@ class DistortionContent(PlotContent):
         self.spot = pg.ScatterPlotItem(size=12, pen=pg.mkPen(MARK, width=2), brush=None)
         for item in (self.chart, self.image, self.spot):
             self.plot.addItem(item)
+        self.plot.scene().sigMouseMoved.connect(self._moved)
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
         lens, wearer = bench.lens_of(pane), bench.active_wearer
@@ -135,6 +136,13 @@ class DistortionContent(PlotContent):
         else:
             x, y, z = probe.direction
             self.spot.setData([-np.degrees(np.arctan2(x, z))], [np.degrees(np.arctan2(y, z))])
+
+    def _moved(self, position: Any) -> None:
+        if self._shown is not None and self._shown[0] is not None and self.plot.sceneBoundingRect().contains(position):
+            at = self.plot.vb.mapSceneToView(position)
+            right, up = np.tan(np.radians(np.clip([at.x(), at.y()], -70, 70)))
+            direction = np.array([-right, up, 1.0])
+            self.pointed.emit(None, tuple(float(v) for v in direction / np.linalg.norm(direction)))
 
     def figure(self) -> Any:
         from ..views.distortion import distortion_figure

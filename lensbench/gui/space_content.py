@@ -1,5 +1,6 @@
 """The worn lens in space with a map on it, and the ellipses of confusion in space."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -7,17 +8,16 @@ import numpy as np
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QVBoxLayout
 
-from ..layers import EllipseLayer, EllipseSheet, LensMap, MapLayer, Probe
+from ..layers import EllipseLayer, EllipseSheet, Probe
 from ..optics.eye import Wearer
 from ..optics.gaze import worn_pose
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
-from ..views.bands import map_bands
 from ..views.ellipses import draw_ellipses, ellipse_bands, fitting_exaggeration, look_along
 from ..views.lens3d import LensMesh, draw_lens, lens_mesh, look_at_lens
 from .colour_bar import ColourBar
 from .content import Content
-from .map_content import SAMPLES
+from .map_source import BandedMap, map_question
 from .scene_source import answer_with_scene
 from .stage_widget import StageWidget
 
@@ -52,19 +52,15 @@ class LensContent(SpaceContent):
         self.stage.hovered.connect(self._hovered)
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
-        if lens is None:
+        question = map_question(bench, pane)
+        if question is None:
             return None
-        layer = MapLayer(pane.quantity, bench.distance, bench.accommodation, SAMPLES)
-        scene = bench.scene if bench.distance == "scene" else ""
-        return (lens, wearer, layer, scene, pane), partial(_lens_answer, lens, wearer, layer, scene)
+        key, found = question
+        return key, partial(_with_mesh, found, bench.active_wearer)
 
-    def show_answer(self, answer: tuple[LensMap, LensMesh], bench: Workbench, pane: Pane) -> None:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
-        assert lens is not None
-        lens_map, mesh = answer
-        limits = None if pane.low is None or pane.high is None else (pane.low, pane.high)
-        bands = map_bands(lens, lens_map, pane.step, limits)
+    def show_answer(self, answer: tuple[BandedMap, LensMesh], bench: Workbench, pane: Pane) -> None:
+        (lens, lens_map, bands, _), mesh = answer
+        wearer = bench.active_wearer
         self._lens = lens, wearer, mesh
 
         def put(plotter: Any) -> None:
@@ -101,9 +97,9 @@ class LensContent(SpaceContent):
             self.pointed.emit((float(x), float(y)), None)
 
 
-def _lens_answer(lens: Lens, wearer: Wearer, layer: MapLayer, scene: str) -> tuple[LensMap, LensMesh]:
-    lens_map = answer_with_scene(lens, wearer, layer, scene)
-    return lens_map, lens_mesh(lens, worn_pose(lens, wearer.wear), RINGS, AROUND)
+def _with_mesh(found: Callable[[], BandedMap], wearer: Wearer) -> tuple[BandedMap, LensMesh]:
+    banded = found()
+    return banded, lens_mesh(banded.lens, worn_pose(banded.lens, wearer.wear), RINGS, AROUND)
 
 
 class EllipsesContent(SpaceContent):

@@ -238,7 +238,7 @@ class Viewport(QFrame):
             self.said.emit(sentence)
 
     def _mark_stale(self, stale: bool) -> None:
-        self.state.setText("…" if stale else "")
+        self.state.setText("<span style='color:#d98200'>● updating</span>" if stale else "")
         self.state.setToolTip("The picture is older than the settings; the new one is being computed" if stale else "")
 
 
