@@ -19,11 +19,9 @@ def start(files: list[Path]) -> int:
     from PySide6.QtWidgets import QApplication
 
     from .main_window import MainWindow
-    from .theme import prepare_plots
 
     application = QApplication.instance() or QApplication(sys.argv[:1])
     application.setApplicationName("LensBench")
-    prepare_plots()
     window = MainWindow()
     window.show()
     window.open_files(files)

@@ -56,10 +56,10 @@ class PictureActions:
         self.window.document.edit("Colour scale of all", make)
 
     def _present_limits(self, k: int) -> tuple[float, float]:
-        bar = getattr(self.window.viewports[k].content, "bar", None)
-        if bar is None or bar.bands is None:
+        bands = getattr(self.window.viewports[k].content, "bands", None)
+        if bands is None:
             raise InputError("this viewport has no colour scale to share")
-        return float(bar.bands.levels[0]), float(bar.bands.levels[-1])
+        return float(bands.levels[0]), float(bands.levels[-1])
 
     def copy(self, k: int) -> None:
         """The picture to the clipboard."""

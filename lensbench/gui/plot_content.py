@@ -4,155 +4,179 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import pyqtgraph as pg
-from PySide6.QtWidgets import QVBoxLayout
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen
 
 from ..layers import DistortionGrid, DistortionLayer, Probe, Profile, ProfileLayer
+from ..optics.conventions import mean_power
+from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
-from ..views.comparison import COLOURS
-from .content import Content
-from .map_content import MARK
+from .plot import MARK, Plot, step_for
 from .scene_source import answer_with_scene
 
-
-class PlotContent(Content):
-    """One or more plots side by side."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.plots = pg.GraphicsLayoutWidget()
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.plots)
-        self._shown: tuple[Any, ...] | None = None
-
-    def _plot(self, column: int, bottom: str, left: str = "") -> pg.PlotItem:
-        plot = self.plots.addPlot(0, column)
-        plot.setMenuEnabled(False)
-        plot.hideButtons()
-        plot.showGrid(x=True, y=True, alpha=0.15)
-        plot.setLabel("bottom", bottom)
-        for side in ("bottom", "left"):
-            plot.getAxis(side).enableAutoSIPrefix(False)
-        if left:
-            plot.setLabel("left", left)
-        return plot
+MEAN, ASTIGMATISM, ORDERED = QColor("#2f6fb5"), QColor("#d9822b"), QColor("#8a4fa3")
+Profiles = tuple[tuple[Lens, Profile], ...]
 
 
-class ProfileContent(PlotContent):
-    """Mean power and astigmatism against height, of every lens on the table; the shown one is drawn strongest."""
+class ProfileContent(Plot):
+    """Mean power with the span of powers, and astigmatism, against height; the other lenses on the table thin."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.power = self._plot(0, "as-worn mean power, D", "y, mm")
-        self.astigmatism = self._plot(1, "astigmatism, D")
-        self.astigmatism.setYLink(self.power)
-        self.legend = self.power.addLegend(offset=(8, 4), labelTextSize="8pt")
-        self.levels = [pg.InfiniteLine(angle=0, pen=pg.mkPen(MARK, width=1.5)) for _ in range(2)]
-        for plot, line in zip((self.power, self.astigmatism), self.levels, strict=True):
-            line.setVisible(False)
-            plot.addItem(line, ignoreBounds=True)
-            plot.scene().sigMouseMoved.connect(partial(self._moved, plot))
+        self.margins = (56.0, 26.0, 14.0, 40.0)
+        self.profiles: Profiles = ()
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        if not bench.lenses:
-            return None
-        lenses, layer = tuple(entry.lens for entry in bench.lenses), ProfileLayer(bench.distance)
         shown = bench.lens_of(pane)
+        if shown is None:
+            return None
+        lenses = (shown, *(entry.lens for entry in bench.lenses if entry.lens is not shown))
         scene = bench.scene if bench.distance == "scene" else ""
-        return (lenses, shown, bench.active_wearer, layer, scene), partial(
+        layer = ProfileLayer(bench.distance)
+        return (lenses, bench.active_wearer, layer, scene), partial(
             _profiles, lenses, bench.active_wearer, layer, scene
         )
 
-    def show_answer(self, answer: list[Profile], bench: Workbench, pane: Pane) -> None:
-        shown = bench.lens_of(pane)
-        self._shown = shown, answer[next(k for k, entry in enumerate(bench.lenses) if entry.lens is shown)]
-        for plot in (self.power, self.astigmatism):
-            for item in plot.listDataItems():
-                plot.removeItem(item)
-        for k, (entry, profile) in enumerate(zip(bench.lenses, answer, strict=True)):
-            strong = entry.lens is shown
-            pen = pg.mkPen(COLOURS[k % len(COLOURS)], width=2.6 if strong else 1.2)
-            self.power.plot(profile.mean_power, profile.y, pen=pen, name=entry.lens.name[:38])
-            self.astigmatism.plot(profile.astigmatism, profile.y, pen=pen)
-
-        self.legend.setVisible(len(answer) > 1)
+    def show_answer(self, answer: Profiles, bench: Workbench, pane: Pane) -> None:
+        self.profiles = answer
+        powers = np.concatenate(
+            [np.r_[p.least_power, p.greatest_power, p.astigmatism, 0.0] for _, p in answer if p.y.size]
+        )
+        low, high = float(powers.min()), float(powers.max())
+        step = step_for(high - low + 0.2, 8)
+        _, _, y0, y1 = answer[0][0].outline.box
+        self.box = (step * np.floor(low / step - 0.1), step * np.ceil(high / step + 0.1), y0, y1)
+        self.update()
 
     def show_probe(self, probe: Probe | None) -> None:
-        known = probe is not None and np.isfinite(probe.point).all()
-        for line in self.levels:
-            line.setVisible(bool(known))
-            if known:
-                line.setValue(probe.point[1])
+        self.mark((0.0, probe.point[1]) if probe is not None and np.isfinite(probe.point).all() else None)
+
+    def pointed_at(self, x: float, y: float) -> None:
+        if self.profiles:
+            profile = self.profiles[0][1]
+            if profile.y[0] <= y <= profile.y[-1]:
+                self.pointed.emit((float(np.interp(y, profile.y, profile.x)), y), None)
 
     def figure(self) -> Any:
         from ..views.maps import profile_figure
 
-        return None if self._shown is None else profile_figure(*self._shown)
+        return profile_figure(*self.profiles[0]) if self.profiles else None
 
-    def _moved(self, plot: pg.PlotItem, position: Any) -> None:
-        if self._shown is None or not plot.sceneBoundingRect().contains(position):
+    def draw(self, painter: QPainter) -> None:
+        """Curves over the axes."""
+        if not self.profiles:
             return
-        y = plot.vb.mapSceneToView(position).y()
-        profile = self._shown[1]
-        if profile.y[0] <= y <= profile.y[-1]:
-            self.pointed.emit((float(np.interp(y, profile.y, profile.x)), float(y)), None)
+        self.draw_axes(painter, "as-worn power, D", "y, mm")
+        painter.save()
+        painter.setClipRect(self.area())
+        self._draw_ordered(painter, self.profiles[0][0])
+        for k, (_, profile) in reversed(list(enumerate(self.profiles))):
+            self._draw_curves(painter, profile, strong=k == 0)
+        painter.restore()
+        self._draw_key(painter)
+
+    def draw_mark(self, painter: QPainter, at: QPointF) -> None:
+        """The height of the probed gaze."""
+        painter.setPen(QPen(MARK, 1.6))
+        painter.drawLine(QLineF(self.area().left(), at.y(), self.area().right(), at.y()))
+
+    def _draw_curves(self, painter: QPainter, profile: Profile, strong: bool) -> None:
+        if strong:
+            band = QColor(MEAN)
+            band.setAlphaF(0.18)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(band)
+            ring = np.r_[profile.least_power, profile.greatest_power[::-1]], np.r_[profile.y, profile.y[::-1]]
+            painter.drawPolygon(self.polygon(np.column_stack(ring)))
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+        for values, colour in ((profile.mean_power, MEAN), (profile.astigmatism, ASTIGMATISM)):
+            pen = QPen(colour, 2.2) if strong else QPen(colour, 1.1, Qt.PenStyle.DashLine)
+            painter.setPen(pen)
+            painter.drawPolyline(self.polygon(np.column_stack([values, profile.y])))
+
+    def _draw_ordered(self, painter: QPainter, lens: Lens) -> None:
+        painter.setPen(QPen(self.ink(0.35), 1, Qt.PenStyle.DotLine))
+        for _, y in set(lens.points.named().values()):
+            painter.drawLine(self.pixel(self.box[0], y), self.pixel(self.box[1], y))
+        if lens.ordered is None:
+            return
+        painter.setPen(QPen(ORDERED, 1.3, Qt.PenStyle.DashDotLine))
+        for near in (False, True):
+            x = float(mean_power(lens.ordered.power(near)))
+            painter.drawLine(self.pixel(x, self.box[2]), self.pixel(x, self.box[3]))
+
+    def _draw_key(self, painter: QPainter) -> None:
+        """Names of the curves in one line above the plot."""
+        names = [("mean power", MEAN, Qt.PenStyle.SolidLine), ("astigmatism", ASTIGMATISM, Qt.PenStyle.SolidLine)]
+        if self.profiles[0][0].ordered is not None:
+            names.append(("ordered", ORDERED, Qt.PenStyle.DashDotLine))
+        if len(self.profiles) > 1:
+            names.append(("other lenses", self.ink(0.7), Qt.PenStyle.DashLine))
+        x = self.area().left()
+        for name, colour, style in names:
+            painter.setPen(QPen(colour, 2.2, style))
+            painter.drawLine(QPointF(x, 14), QPointF(x + 22, 14))
+            painter.setPen(self.ink(0.85))
+            width = painter.fontMetrics().horizontalAdvance(name)
+            painter.drawText(QRectF(x + 27, 4, width + 6, 20), Qt.AlignmentFlag.AlignVCenter, name)
+            x += width + 44
 
 
-def _profiles(lenses: tuple[Lens, ...], wearer: Any, layer: ProfileLayer, scene: str) -> list[Profile]:
-    return [answer_with_scene(lens, wearer, layer, scene) for lens in lenses]
+def _profiles(lenses: tuple[Lens, ...], wearer: Wearer, layer: ProfileLayer, scene: str) -> Profiles:
+    return tuple((lens, answer_with_scene(lens, wearer, layer, scene)) for lens in lenses)
 
 
-class DistortionContent(PlotContent):
-    """A chart of upright lines (pale) and how the turning eye sees it, as the wearer looks at it: his left on the left."""
+class DistortionContent(Plot):
+    """A chart of upright lines (pale) and how the turning eye sees it, as the wearer looks at it, in degrees."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.plot = self._plot(0, "wearer's left  ←  direction, °  →  right", "up, °")
-        self.plot.setAspectLocked(True)
-        self.chart, self.image = (
-            pg.PlotDataItem(pen=pg.mkPen(c, width=w), connect="finite") for c, w in (("#aab2b9", 1), ("#1f6aa5", 2))
-        )
-        self.spot = pg.ScatterPlotItem(size=12, pen=pg.mkPen(MARK, width=2), brush=None)
-        for item in (self.chart, self.image, self.spot):
-            self.plot.addItem(item)
-        self.plot.scene().sigMouseMoved.connect(self._moved)
+        self.equal = self.flip = True
+        self.shown: tuple[Lens | None, DistortionGrid] | None = None
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
         lens, wearer = bench.lens_of(pane), bench.active_wearer
-        depth = np.inf if isinstance(bench.distance, str) else bench.distance
-        layer = DistortionLayer(depth)
+        layer = DistortionLayer(np.inf if isinstance(bench.distance, str) else bench.distance)
         return (lens, wearer, layer), partial(answer_with_scene, lens, wearer, layer, "")
 
     def show_answer(self, answer: DistortionGrid, bench: Workbench, pane: Pane) -> None:
-        self._shown = bench.lens_of(pane), answer
-        for item, points in ((self.chart, answer.object), (self.image, answer.apparent)):
-            item.setData(*_lines(points, answer.layer.fineness))
+        self.shown = bench.lens_of(pane), answer
+        both = np.concatenate([answer.object.ravel(), answer.apparent.ravel()])
+        reach = 1.04 * float(np.degrees(np.arctan(np.nanmax(np.abs(both)))))
+        self.box = (-reach, reach, -reach, reach)
+        self.update()
 
     def show_probe(self, probe: Probe | None) -> None:
-        if probe is None or not np.isfinite(probe.direction).all():
-            self.spot.clear()
-        else:
-            x, y, z = probe.direction
-            self.spot.setData([-np.degrees(np.arctan2(x, z))], [np.degrees(np.arctan2(y, z))])
+        known = probe is not None and np.isfinite(probe.direction).all() and probe.direction[2] > 0
+        self.mark(tuple(np.degrees(np.arctan(probe.direction[:2] / probe.direction[2])).tolist()) if known else None)
 
-    def _moved(self, position: Any) -> None:
-        if self._shown is not None and self._shown[0] is not None and self.plot.sceneBoundingRect().contains(position):
-            at = self.plot.vb.mapSceneToView(position)
-            right, up = np.tan(np.radians(np.clip([at.x(), at.y()], -70, 70)))
-            direction = np.array([-right, up, 1.0])
-            self.pointed.emit(None, tuple(float(v) for v in direction / np.linalg.norm(direction)))
+    def pointed_at(self, x: float, y: float) -> None:
+        if self.shown is not None and self.shown[0] is not None:
+            direction = np.array([*np.tan(np.radians([x, y])), 1.0])
+            self.pointed.emit(None, tuple((direction / np.linalg.norm(direction)).tolist()))
 
     def figure(self) -> Any:
         from ..views.distortion import distortion_figure
 
-        return None if self._shown is None else distortion_figure(*self._shown)
+        return None if self.shown is None else distortion_figure(*self.shown)
+
+    def draw(self, painter: QPainter) -> None:
+        """Both grids."""
+        if self.shown is None:
+            return
+        self.draw_axes(painter, "wearer's left  ←   direction, °   →  right", "up, °")
+        grid = self.shown[1]
+        for points, colour, width in ((grid.object, self.ink(0.3), 1.0), (grid.apparent, MEAN, 1.8)):
+            painter.setPen(QPen(colour, width))
+            degrees = np.degrees(np.arctan(points))
+            for row in (*degrees[:: grid.layer.fineness], *degrees[:, :: grid.layer.fineness].swapaxes(0, 1)):
+                for part in _unbroken(row):
+                    painter.drawPolyline(self.polygon(part))
 
 
-def _lines(points: Any, step: int) -> tuple[Any, Any]:
-    """Rows and columns of a chart (n, n, 2), tangents, as one broken line in degrees, the wearer's left to the left."""
-    degrees = np.degrees(np.arctan(points)) * [-1.0, 1.0]
-    gap = np.full((1, 2), np.nan)
-    lines = [*degrees[::step], *degrees[:, ::step].swapaxes(0, 1)]
-    return tuple(np.concatenate([part for line in lines for part in (line, gap)]).T)  # type: ignore[return-value]
+def _unbroken(row: Any) -> list[Any]:
+    """The parts of a line (n, 2) whose points are known."""
+    known = np.isfinite(row).all(axis=1)
+    parts = np.split(row, np.flatnonzero(np.diff(known.astype(int))) + 1)
+    return [part for part in parts if len(part) > 1 and np.isfinite(part[0]).all()]

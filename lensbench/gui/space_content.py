@@ -13,6 +13,7 @@ from ..optics.eye import Wearer
 from ..optics.gaze import worn_pose
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
+from ..views.bands import Bands
 from ..views.ellipses import draw_ellipses, ellipse_bands, fitting_exaggeration, look_along
 from ..views.lens3d import LensMesh, draw_lens, lens_mesh, look_at_lens
 from .colour_bar import ColourBar
@@ -37,6 +38,11 @@ class SpaceContent(Content):
         layout.addWidget(self.stage, 1)
         layout.addWidget(self.bar)
         self.stage.turned.connect(self.camera_moved)
+
+    @property
+    def bands(self) -> Bands | None:
+        """The scale that is shown."""
+        return self.bar.bands
 
     def close_stage(self) -> None:
         self.stage.close_stage()

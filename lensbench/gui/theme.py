@@ -1,6 +1,5 @@
 """Light and dark: Fusion with a palette of our own, because bare X11 has no theme of its own."""
 
-import pyqtgraph as pg
 from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QApplication
 
@@ -45,8 +44,3 @@ def set_theme(dark: bool) -> None:
         palette.setColor(QPalette.ColorGroup.Disabled, role, QColor("#8d969e"))
     application.setStyle("Fusion")
     application.setPalette(palette)
-
-
-def prepare_plots() -> None:
-    """White plots with dark ink, before the first one is made."""
-    pg.setConfigOptions(background="w", foreground="#39424a", antialias=True)
