@@ -11,8 +11,9 @@ from .latency import map_latency
 from .rays import rays_against_batoid
 from .report import report_split
 from .timing import ROOT
+from .view import view_against_real_rays, view_cost
 
-PARTS = (rays_against_batoid, map_latency, reading_points, report_split)
+PARTS = (rays_against_batoid, map_latency, reading_points, report_split, view_cost, view_against_real_rays)
 
 
 def main() -> int:

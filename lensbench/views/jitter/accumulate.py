@@ -43,10 +43,7 @@ class CardSum:
     def __init__(self, window: Any) -> None:
         self.window = window
         self.size, self.part = (0, 0), (0, 0, 0, 0)
-        self.texture = vtkTextureObject()
-        self.frame = vtkOpenGLFramebufferObject()
-        self.texture.SetContext(window)
-        self.frame.SetContext(window)
+        self.texture, self.frame = vtkTextureObject(), vtkOpenGLFramebufferObject()
         self.adding, self.adder = _quad(window, shaders.ADD)
         self.resolving, self.resolver = _quad(window, shaders.RESOLVE)
 
@@ -63,16 +60,23 @@ class CardSum:
         state.PopFramebufferBindings()
 
     def _allocate(self, size: tuple[int, int]) -> None:
-        self.texture.ReleaseGraphicsResources(self.window)
+        """A new texture and frame buffer: those of another size cannot be grown."""
+        self._free()
+        self.texture, self.frame, self.size = vtkTextureObject(), vtkOpenGLFramebufferObject(), size
+        self.texture.SetContext(self.window)
         self.texture.SetInternalFormat(_RGBA32F)
         self.texture.SetDataType(_FLOAT)
         self.texture.Allocate2D(*size, 4, VTK_UNSIGNED_CHAR)
+        self.frame.SetContext(self.window)
         self.frame.Bind()
         self.frame.AddColorAttachment(0, self.texture)
         self.frame.ActivateDrawBuffer(0)
-        if not self.frame.GetFBOIndex() or not self.frame.CheckFrameBufferStatus(0x8D40):
+        if not self.frame.CheckFrameBufferStatus(0x8D40):
             raise LensBenchError("the graphics driver cannot add into 32-bit floats")
-        self.size = size
+
+    def _free(self) -> None:
+        self.frame.ReleaseGraphicsResources(self.window)
+        self.texture.ReleaseGraphicsResources(self.window)
 
     def _aim(self) -> None:
         state = self.window.GetState()
@@ -135,8 +139,7 @@ class CardSum:
 
     def release(self) -> None:
         """Free what is held on the graphics card."""
-        self.frame.ReleaseGraphicsResources(self.window)
-        self.texture.ReleaseGraphicsResources(self.window)
+        self._free()
         self.adding = self.resolving = self.adder = self.resolver = None
 
 

@@ -9,6 +9,7 @@ from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataObject, vtkImageData, vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkTexture
 
+from ...errors import LensBenchError
 from ...layers import LensEdge, SeenPart
 from ...optics.conventions import Floats, unit
 from ...scenes.scene import Part
@@ -33,6 +34,19 @@ def vertex_actor(seen: SeenPart, texture: vtkTexture) -> vtkActor:
         mesh.GetPointData().AddArray(_vtk_array(name, np.nan_to_num(array)))
         actor.GetMapper().MapDataArrayToVertexAttribute(name, name, vtkDataObject.FIELD_ASSOCIATION_POINTS, -1)
     return actor
+
+
+def twin_of(actor: Any) -> vtkActor:
+    """An actor like another, with a mapper of its own. Raises LensBenchError for one that does not draw polygons."""
+    mesh = actor.GetMapper().GetInput()
+    if not isinstance(mesh, vtkPolyData):
+        raise LensBenchError("only actors that draw a vtkPolyData are seen through the lens")
+    mapper, twin = vtkPolyDataMapper(), vtkActor()
+    mapper.ShallowCopy(actor.GetMapper())
+    mapper.SetInputData(mesh)
+    twin.ShallowCopy(actor)
+    twin.SetMapper(mapper)
+    return twin
 
 
 def rim_actor(edge: LensEdge) -> vtkActor:

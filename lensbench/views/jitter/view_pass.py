@@ -7,11 +7,12 @@ from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
 from ...errors import LensBenchError
 from ...layers import SeenScene
+from ...optics.conventions import Floats
 from ...seen import seen_parts
 from .accumulate import CardSum, MemorySum
 from .camera import camera_state, edge_in_view, frames, place_camera
 from .light import Light, pixel_shifts, pupil_points
-from .parts import image_texture, part_actor, rim_actor, vertex_actor
+from .parts import image_texture, part_actor, rim_actor, twin_of, vertex_actor
 from .zones import Zone
 
 _FIRST_UNIT = 0x84C0
@@ -53,7 +54,7 @@ class JitterPass:
         self.seen: SeenScene | None = None
         self._drawn: tuple[Any, ...] = ()
         self.sample(passes, seed)
-        self._clipping = (1.0, 1e5)
+        self._clipping = 1.0, 1e5
         window.SetMultiSamples(0)
         renderer.GetCullers().RemoveAllItems()
         window.Render()
@@ -86,16 +87,19 @@ class JitterPass:
         self.reset()
 
     def add(self, actor: Any) -> None:
-        """Let another actor, which stands in the scene's frame (mm), be seen through the lens too, until the scene changes."""
+        """Let another actor, which stands in the scene's frame (mm), be seen through the lens instead, until the scene changes.
+
+        It must draw a vtkPolyData, whose triangles should be small (2 degrees); it is taken out of the renderer.
+        """
         if self.by_vertices:
             raise LensBenchError("other actors are seen through the lens only by the field's atlas")
+        low, high = np.array(actor.GetBounds()).reshape(3, 2).T
+        eye = np.array(self.renderer.GetActiveCamera().GetPosition())
+        nearest, farthest = np.clip(eye, low, high), np.where(np.abs(low - eye) > np.abs(high - eye), low, high)
+        self._reach(np.linalg.norm([nearest - eye, farthest - eye], axis=1))
+        self.renderer.RemoveActor(actor)
         for zone in self._zones[:2]:
-            twin = actor.NewInstance()
-            twin.ShallowCopy(actor)
-            mapper = actor.GetMapper().NewInstance()
-            mapper.ShallowCopy(actor.GetMapper())
-            twin.SetMapper(mapper)
-            self.renderer.AddActor(zone.take(twin))
+            self.renderer.AddActor(zone.take(twin_of(actor)))
         self.reset()
 
     def reset(self) -> None:
@@ -134,7 +138,8 @@ class JitterPass:
     def _set_scene(self, seen: SeenScene) -> None:
         self.renderer.SetBackground(*(code / 255 for code in seen.scene.background))
         reach = np.concatenate([np.linalg.norm(part.points - seen.eye, axis=1) for part in seen.scene.drawn])
-        self._clipping = 0.5 * float(reach.min()), 2.0 * float(reach.max())
+        self._clipping = np.inf, 0.0
+        self._reach(reach)
         textures = [image_texture(part.image) for part in seen.scene.drawn]
         for zone, lens in zip(self._zones, (seen.lens, None), strict=False):
             if not self.by_vertices:
@@ -145,6 +150,12 @@ class JitterPass:
                 actors = []
             self._fill(zone, actors)
         self._set_rim(seen)
+
+    def _reach(self, distances: Floats) -> None:
+        """Widen the clipping range to what stands at these distances from the eye, however it is refracted."""
+        near, far = self._clipping
+        nearest = max(float(distances.min()), 1e-4 * float(distances.max()))
+        self._clipping = min(near, 0.5 * nearest), max(far, 2.0 * float(distances.max()))
 
     def _set_rim(self, seen: SeenScene) -> None:
         rim = [] if seen.edge is None else [rim_actor(seen.edge)]
@@ -224,6 +235,8 @@ class JitterPass:
 def _best_sum(window: Any) -> CardSum | MemorySum:
     """The sum on the graphics card, or in memory where its driver cannot."""
     try:
-        return CardSum(window)
+        sums = CardSum(window)
+        sums.clear((8, 8), (0, 0, 8, 8))
+        return sums
     except LensBenchError:
         return MemorySum(window)

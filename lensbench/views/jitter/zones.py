@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from vtkmodules.vtkCommonCore import VTK_FLOAT
-from vtkmodules.vtkRenderingCore import vtkPolyDataMapper, vtkShaderProperty
+from vtkmodules.vtkRenderingCore import vtkShaderProperty
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
 from ...layers import LensEdge, SeenScene
@@ -86,12 +86,7 @@ class Zone:
                 self.shader.AddFragmentShaderReplacement(tag, True, code, False)
 
     def take(self, actor: Any) -> Any:
-        """Draw an actor, whose mapper must be no other zone's, in this zone. Returns the actor."""
-        mapper = actor.GetMapper()
-        if not isinstance(mapper, vtkPolyDataMapper):
-            polygons = vtkPolyDataMapper()
-            polygons.ShallowCopy(mapper)
-            actor.SetMapper(polygons)
+        """Draw an actor, whose vtkPolyDataMapper must be no other zone's, in this zone. Returns the actor."""
         actor.SetShaderProperty(self.shader)
         self.actors.append(actor)
         return actor

@@ -1,0 +1,151 @@
+"""The pass in a renderer that is not its own: progressive, begun anew by every change, without leaks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_jitter import CENTRED, EMMETROPE, MINUS_SIX, moments, on_picture, patches, resident_mb, see
+
+from lensbench.optics.conventions import power_matrix
+from lensbench.optics.eye import Eye, Wearer
+from lensbench.optics.gaze import look_at
+
+pytest.importorskip("pyvista")
+
+import pyvista as pv
+
+from lensbench.views import jitter
+from lensbench.views.jitter import accumulate
+from lensbench.views.offscreen import require_gl
+
+SMALL = (160, 120)
+MYOPE = Wearer(Eye(refraction=power_matrix(-2.0, -1.0, 30.0), accommodation=0.0), CENTRED)
+PLACES = [(-600.0, 300.0, 6000.0), (400.0, -200.0, 3000.0), (0.0, 60.0, 700.0)]
+
+
+@pytest.fixture
+def plotter():
+    require_gl()
+    plotter = pv.Plotter(off_screen=True, window_size=SMALL)
+    yield plotter
+    plotter.close()
+
+
+def drawn(window) -> np.ndarray:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+    pixels, (width, height) = vtkUnsignedCharArray(), window.GetSize()
+    window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, pixels)
+    return vtk_to_numpy(pixels).reshape(height, width, 4)[::-1, :, :3].copy()
+
+
+def finish(view) -> np.ndarray:
+    while not view.done:
+        view.window.Render()
+    return drawn(view.window)
+
+
+def view_of(seen, size=SMALL):
+    return replace(seen, layer=replace(seen.layer, size=size))
+
+
+def test_in_pyvistas_renderer_it_is_the_off_screen_picture(plotter):
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL)
+    view = jitter.JitterPass(plotter.render_window, plotter.renderer, passes=12)
+    view.show(seen)
+    shown = finish(view)
+    assert np.array_equal(shown, jitter.render_view(seen, 12))
+    view.window.Render()
+    assert np.array_equal(drawn(view.window), shown)
+    assert view.done
+    view.close()
+    assert not list(plotter.renderer.GetActors())
+
+
+def test_every_change_begins_anew(plotter):
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL)
+    view = jitter.JitterPass(plotter.render_window, plotter.renderer, passes=6)
+    view.show(seen)
+    finish(view)
+    plotter.camera.Azimuth(3.0)
+    assert not view.done
+    plotter.render_window.Render()
+    assert view.count == 1
+    finish(view)
+    plotter.window_size = (120, 90)
+    assert not view.done
+    other = see(patches(PLACES, 90), MINUS_SIX, EMMETROPE, size=(120, 90), head_turn=0.2)
+    for changed in (view_of(seen, (120, 90)), replace(seen, wearer=EMMETROPE, layer=other.layer), other):
+        view.show(changed)
+        assert np.array_equal(finish(view), jitter.render_view(changed, 6))
+    view.close()
+
+
+def test_nothing_is_added_while_paused(plotter):
+    view = jitter.JitterPass(plotter.render_window, plotter.renderer, passes=4)
+    view.show(see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL))
+    shown = finish(view)
+    view.paused = True
+    view.window.Render()
+    assert not np.array_equal(drawn(view.window), shown)
+    view.paused = False
+    view.window.Render()
+    assert np.array_equal(drawn(view.window), shown)
+    view.close()
+
+
+def test_other_actors_are_seen_through_the_lens_too(plotter):
+    place = np.array([[-180.0, 120.0, 800.0]])
+    wearer = Wearer(Eye(refraction=power_matrix(-6.0), accommodation=4.0), CENTRED)
+    plotter.window_size = (640, 480)
+    seen = see(patches([(0.0, 0.0, 5000.0)], 1.0), MINUS_SIX, wearer)
+    view = jitter.JitterPass(plotter.render_window, plotter.renderer, passes=8)
+    view.show(seen)
+    view.add(plotter.add_mesh(pv.Sphere(radius=8.0, center=place[0]), color="white", lighting=False, render=False))
+    expected = on_picture(seen, look_at(MINUS_SIX, wearer, place).directions)[0]
+    assert np.abs(expected - on_picture(seen, place - wearer.centre_of_rotation)).max() > 10
+    assert np.allclose(moments(finish(view), expected, 20)[1], expected, atol=0.15)
+    view.close()
+
+
+@pytest.mark.parametrize("fallback", ["by_vertices", "in_memory"])
+def test_a_fallback_gives_the_same_picture(fallback):
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, half_width=np.radians(50), size=(320, 240))
+    usual, other = (jitter.render_view(seen, 8, **more).astype(int) for more in ({}, {fallback: True}))
+    apart = np.abs(usual - other).max(axis=2)
+    assert np.mean(apart > 2) < 2e-3
+    assert usual.max() == 255
+
+
+def test_a_driver_that_cannot_add_floats_sums_in_memory(monkeypatch):
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL)
+    usual = jitter.render_view(seen, 4)
+    monkeypatch.setattr(accumulate.shaders, "ADD", "this is no GLSL")
+    assert np.abs(jitter.render_view(seen, 4).astype(int) - usual).max() <= 1
+
+
+def test_split_shows_the_naked_eye_on_the_left():
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL, split=True)
+    split = jitter.render_view(seen, 6)
+    through = jitter.render_view(replace(seen, layer=replace(seen.layer, split=False)), 6)
+    naked = jitter.render_view(see(patches(PLACES, 150), None, MYOPE, size=SMALL), 6)
+    assert np.array_equal(split[:, 82:], through[:, 82:])
+    assert np.array_equal(split[:, :78], naked[:, :78])
+
+
+def test_exposure_is_a_factor_on_the_light():
+    seen = see(patches([(0, 0, 3000.0)], 2500, colour=(100, 90, 80)), size=(64, 48))
+    dim, bright = (jitter.decode(jitter.render_view(seen, 2, exposure=e))[24, 32] for e in (1.0, 2.0))
+    assert bright == pytest.approx(2 * dim, rel=0.02)
+
+
+def test_three_hundred_passes_leak_less_than_five_megabytes():
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, half_width=np.radians(50), size=(320, 240))
+    with jitter.Studio() as studio:
+        studio.picture(seen, 40)
+        studio.light(seen, 2)
+        before = resident_mb()
+        studio.picture(seen, 300)
+        studio.light(seen, 2)
+        assert resident_mb() - before < 5
