@@ -11,6 +11,7 @@ from .optics.conventions import Floats, ReadOnlyArrays
 from .optics.eye import Wearer
 from .optics.field import Accommodation
 from .optics.lens import Lens
+from .optics.lens_edge import LensEdge
 from .optics.tolerances import ToleranceLine
 from .scenes.scene import Part, Scene
 
@@ -360,31 +361,6 @@ class VoxelField(ReadOnlyArrays):
     depth: Floats
     blur: NDArray[np.float32]
     status: NDArray[np.int8]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LensEdge(ReadOnlyArrays):
-    """The lens's edge as the eye sees it: a closed curve about an axis, within which the lens is seen.
-
-    frame (3, 3), wear frame: rows across (two) and along the axis. radius (n,): tangent of the angle between the axis and
-    the edge, at n equal steps of the angle about the axis, counted from row 0 towards row 1.
-    """
-
-    frame: Floats
-    radius: Floats
-
-    def directions(self, factor: float = 1.0) -> Floats:
-        """Directions (n, 3) to the edge, wear frame, not normalised. factor: on the tangents about the axis."""
-        angle = 2 * np.pi * np.arange(self.radius.size) / self.radius.size
-        across = factor * self.radius * np.stack([np.cos(angle), np.sin(angle)])
-        return np.column_stack([*across, np.ones(self.radius.size)]) @ self.frame
-
-    def within(self, directions: Floats) -> NDArray[np.bool_]:
-        """Whether directions (..., 3), wear frame, point inside the edge."""
-        x, y, z = np.moveaxis(directions @ self.frame.T, -1, 0)
-        turn = np.arctan2(y, x) % (2 * np.pi) * self.radius.size / (2 * np.pi)
-        limit = np.interp(turn, np.arange(self.radius.size + 1), np.append(self.radius, self.radius[0]))
-        return (z > 0) & (np.hypot(x, y) < limit * z)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,19 +6,19 @@ from functools import lru_cache
 import numpy as np
 
 from .errors import InputError
-from .layers import EYES, DefocusView, LensEdge, SeenPart, SeenScene, ViewLayer
+from .layers import EYES, DefocusView, SeenPart, SeenScene, ViewLayer
 from .optics.atlas import FieldAtlas, field_atlas
-from .optics.conventions import Floats, Status, listing_frame, rotation_xy, unit
+from .optics.conventions import Floats, Status, listing_frame, rotation_xy
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import GazeField
-from .optics.gaze import direction_from_angles, look_at, trace, worn_pose
+from .optics.gaze import direction_from_angles, look_at, trace
 from .optics.lens import Lens
+from .optics.lens_edge import LensEdge, lens_edge
 from .scenes.scene import Part, Scene
 
 SAMPLES = 256  # gazes along the longer side of a lens's atlas: 0.05 pixels of 1280 over 50 degrees
 NAKED_SAMPLES = 64
 WIDEST = float(np.tan(np.radians(70)))
-EDGE_STEPS = 1024
 
 
 def seen_scene(lens: Lens | None, wearer: Wearer, scene: Scene, layer: ViewLayer) -> SeenScene:
@@ -60,43 +60,6 @@ def _lens_atlas(lens: Lens, *geometry: Wear | float) -> tuple[FieldAtlas, LensEd
     return field_atlas(lens, wearer, (u0, u1, v0, v1), SAMPLES), edge
 
 
-# ---- the lens's edge --------------------------------------------------------------------------------------------------
-
-
-def lens_edge(lens: Lens, wearer: Wearer) -> LensEdge:
-    """The edges of the back and of the front surface as the turning eye sees them: whichever is the nearer to the axis.
-
-    The axis points to the middle of the back surface's edge, about which both edges are taken to be star-shaped.
-    """
-    x, y = lens.outline.points()
-    pose = worn_pose(lens, wearer.wear)
-    back = pose.to_wear(np.stack([x, y, lens.back_height(x, y)], axis=-1))
-    front = pose.to_wear(np.stack([x, y, lens.front_height(x, y)], axis=-1))
-    curves = (
-        unit(_finite(back) - wearer.centre_of_rotation),
-        _finite(_seen_directions(look_at(lens, wearer, _finite(front), within_outline=False))),
-    )
-    middle = next((curve for curve in curves if len(curve) > 2), None)
-    if middle is None:
-        raise InputError("the lens's edge cannot be seen: its surfaces do not reach its outline")
-    frame = listing_frame(unit(middle.mean(axis=0)))
-    radii = [_radius(curve @ frame.T) for curve in curves if len(curve) > 2]
-    return LensEdge(frame, np.min(radii, axis=0))
-
-
-def _finite(rows: Floats) -> Floats:
-    return rows[np.isfinite(rows).all(axis=1)]
-
-
-def _radius(local: Floats) -> Floats:
-    """Tangents (EDGE_STEPS,) of the angles to the axis of a closed curve of directions (k, 3), the axis along z."""
-    ahead = local[local[:, 2] > 0.05]
-    turn = np.arctan2(ahead[:, 1], ahead[:, 0])
-    steps = 2 * np.pi * np.arange(EDGE_STEPS) / EDGE_STEPS
-    order = np.argsort(turn)
-    return np.interp(steps, turn[order], np.hypot(ahead[:, 0], ahead[:, 1])[order] / ahead[order, 2], period=2 * np.pi)
-
-
 # ---- vertices one by one ----------------------------------------------------------------------------------------------
 
 
@@ -111,7 +74,8 @@ def _seen_part(seen: SeenScene, lens: Lens | None, part: Part) -> SeenPart:
     field = replace(field, wearer=seen.wearer)
     distance = np.where(field.status == Status.OK, field.distances_to(points), np.nan)
     blur = field.apparent_blur(distance, seen.layer.accommodation)
-    return SeenPart(part, _seen_directions(field), -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ blur)
+    gaze = np.where((field.status == Status.OK)[:, None], field.directions, np.nan)
+    return SeenPart(part, gaze, -np.swapaxes(field.gaze_frame[:, :2], 1, 2) @ blur)
 
 
 @lru_cache(maxsize=128)
@@ -125,11 +89,6 @@ def _vertex_field(
     wearer = _wearer_of(wear, centre, pupil)
     points = (part.points - wearer.centre_of_rotation) @ rotation_xy(-tilt, turn) + wearer.centre_of_rotation
     return look_at(lens, wearer, points, within_outline=False), points
-
-
-def _seen_directions(field: GazeField) -> Floats:
-    """The gazes (n, 3) of a field, NaN where the ray failed."""
-    return np.where((field.status == Status.OK)[:, None], field.directions, np.nan)
 
 
 # ---- the defocus map --------------------------------------------------------------------------------------------------

@@ -4,8 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...layers import LensEdge, SeenScene
+from ...layers import SeenScene
 from ...optics.conventions import Floats
+from ...optics.lens_edge import LensEdge
 
 
 class Frames(NamedTuple):

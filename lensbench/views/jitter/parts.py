@@ -10,8 +10,9 @@ from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkDataObject, vtkImageD
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkTexture
 
 from ...errors import LensBenchError
-from ...layers import LensEdge, SeenPart
+from ...layers import SeenPart
 from ...optics.conventions import Floats, unit
+from ...optics.lens_edge import LensEdge
 from ...scenes.scene import Part
 from .light import Pixels
 

@@ -7,9 +7,10 @@ from vtkmodules.vtkCommonCore import VTK_FLOAT
 from vtkmodules.vtkRenderingCore import vtkShaderProperty
 from vtkmodules.vtkRenderingOpenGL2 import vtkTextureObject
 
-from ...layers import LensEdge, SeenScene
+from ...layers import SeenScene
 from ...optics.atlas import FieldAtlas
 from ...optics.conventions import Floats
+from ...optics.lens_edge import LensEdge
 from . import shaders
 from .camera import Frames
 
