@@ -16,7 +16,7 @@ from lensbench.workbench import look, run
 from .timing import ROOT, rounds
 
 SIZE = (1280, 1024)
-SMALL = (256, 192)
+SMALL = (192, 144)
 FEW = {"page", "screen", "table", "wall", "slide", "clock", "door", "poster", "window", "lamp"}
 
 
@@ -50,7 +50,7 @@ def view_cost() -> dict[str, float]:
 
 
 def view_against_real_rays() -> dict[str, float]:
-    """PSNR (dB) of the room, looking near, against 256 real rays a pixel, by the number of passes."""
+    """PSNR (dB) of the room, looking near, against 128 real rays a pixel, by the number of passes."""
     sys.path.insert(0, str(ROOT / "tests"))
     import real_view
 
@@ -61,7 +61,7 @@ def view_against_real_rays() -> dict[str, float]:
     seen = run(Request(lens, wearer, layer, scene))
     room = real_view.TexturedScene(seen.scene)
     y, x = (a.ravel() + 0.5 for a in np.mgrid[: SMALL[1], : SMALL[0]])
-    light = real_view.picture_light(lens, wearer, layer, np.stack([x, y], axis=1), room.shade, 256, room.meet)
+    light = real_view.picture_light(lens, wearer, layer, np.stack([x, y], axis=1), room.shade, 128, room.meet)
     reference = encode(light.reshape(SMALL[1], SMALL[0], 3))
     with Studio() as studio:
         return {
