@@ -226,6 +226,7 @@ class JitterPass:
             raise LensBenchError(f"the graphics driver refused the shader of the view: {message or 'no message'}")
         for zone in self._zones:
             self._fill(zone, [])
+            zone.release()
         self.by_vertices = True
         self._zones = self._new_zones()
         self._set_scene(self.seen)
