@@ -15,7 +15,7 @@ from pydantic import Field
 
 from .errors import InputError
 from .formats import load_pair
-from .formats.lens_file import material_named
+from .formats.lens_file import OrderTable, material_named
 from .formats.text import read_text
 from .formats.toml_file import Table, validated
 from .formats.wearer_file import WearerTable, build_wearer, wearer_table
@@ -175,18 +175,7 @@ class Workbench:
 # ---- the session file ----
 
 
-class OrderTable(Table):
-    """As in a lens file."""
-
-    sphere: float = Field(0.0, ge=-40, le=40)
-    cylinder: float = Field(0.0, ge=-20, le=20)
-    axis: float = Field(180.0, ge=0, le=180)
-    addition: float = Field(0.0, ge=0, le=5)
-    prism: float = Field(0.0, ge=0, le=20)
-    prism_base: float = Field(0.0, ge=0, le=360)
-
-
-class LensTable(Table):
+class LensEntry(Table):
     """file: relative to the session file, or absolute; side, material: as asked of it; the rest: edits."""
 
     file: str
@@ -218,7 +207,7 @@ class SessionTable(Table):
     """The whole file."""
 
     format: Literal["lensbench-session/1"]
-    lenses: list[LensTable]
+    lenses: list[LensEntry]
     wearers: list[WearerTable] = Field(min_length=1)
     scene: str = "room"
     lens: int = Field(0, ge=0)
@@ -292,7 +281,7 @@ def load_session(path: Path) -> tuple[Workbench, str]:
     ), table.window
 
 
-def _lens_on_table(path: Path, entry: LensTable) -> LensOnTable:
+def _lens_on_table(path: Path, entry: LensEntry) -> LensOnTable:
     file = path.parent / entry.file
     lens, _ = load_pair(file, entry.side, entry.as_material)[0]
     ordered = None if entry.ordered is None else Order(**entry.ordered.model_dump())

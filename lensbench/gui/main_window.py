@@ -7,20 +7,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from PySide6.QtCore import QByteArray, QSettings, Qt
 from PySide6.QtGui import QAction, QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
-    QComboBox,
     QDockWidget,
     QFileDialog,
-    QFormLayout,
     QMainWindow,
     QMessageBox,
     QPlainTextEdit,
-    QScrollArea,
     QTabWidget,
-    QToolBox,
     QVBoxLayout,
     QWidget,
 )
@@ -28,18 +23,15 @@ from PySide6.QtWidgets import (
 from .. import __version__
 from ..errors import LensBenchError
 from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
-from ..optics.materials import MATERIALS
 from ..session import SPLITS, Pane, Workbench, load_session, save_session
 from .document import Document
-from .fields import GROUPS, with_material
 from .files import opened
-from .form import Form
 from .lane import Lane
 from .pictures import PictureActions
 from .readings_panel import PointsTable, ProbePanel, ToleranceTable
 from .reports import ReportRunner
 from .scene_source import answer_with_scene
-from .table_tree import TableTree
+from .table_panel import TablePanel
 from .theme import set_theme
 from .viewport import Viewport, grid
 
@@ -84,46 +76,8 @@ class MainWindow(QMainWindow):
     # ---- building ----
 
     def _build_docks(self) -> None:
-        self.tree = TableTree(self.document)
-        self.forms = QToolBox()
-        for title, fields in GROUPS.items():
-            self.forms.addItem(self._scrolled(Form(self.document, fields)), title)
-        self.material = QComboBox(editable=False)
-        self.material.addItems(list(MATERIALS))
-        self.material.activated.connect(
-            lambda: self.attempt(
-                lambda: self.document.edit("Material", lambda bench: with_material(bench, self.material.currentText()))
-            )
-        )
-        self.distances = QComboBox()
-        for name, distance in (
-            ("objects at the proximity below", None), ("objects of the scene", "scene"), ("the wearer's distances", "model"),
-        ):  # fmt: skip
-            self.distances.addItem(name, distance)
-        self.distances.activated.connect(self._choose_distance)
-        self.rule = QComboBox()
-        for name, rule in (
-            ("least blur on the retina", "retina"), ("least ellipse at the object", "object"),
-            ("signed axes that cancel", "paper"),
-        ):  # fmt: skip
-            self.rule.addItem(name, rule)
-        self.rule.activated.connect(
-            lambda: self.document.edit(
-                "Accommodation rule", lambda bench: replace(bench, accommodation=self.rule.currentData())
-            )
-        )
-        left = QWidget()
-        layout = QVBoxLayout(left, spacing=4)
-        layout.setContentsMargins(2, 2, 2, 2)
-        layout.addWidget(self.tree, 2)
-        choices = QFormLayout(labelAlignment=Qt.AlignmentFlag.AlignRight, verticalSpacing=3)
-        for text, box in (
-            ("Material", self.material), ("Maps show", self.distances), ("Eye accommodates for", self.rule),
-        ):  # fmt: skip
-            choices.addRow(text, box)
-        layout.addLayout(choices)
-        layout.addWidget(self.forms, 5)
-        self._dock("Table", left, Qt.DockWidgetArea.LeftDockWidgetArea)
+        self.table = TablePanel(self.document, self.attempt)
+        self._dock("Table", self.table, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.points, self.tolerances, self.probe_panel = PointsTable(), ToleranceTable(), ProbePanel()
         self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=500)
         tabs = QTabWidget()
@@ -137,12 +91,6 @@ class MainWindow(QMainWindow):
         self.resizeDocks(docks, [1000, 330], Qt.Orientation.Horizontal)
         self.resizeDocks(docks, [190, 190], Qt.Orientation.Vertical)
         self.resizeDocks([self.findChild(QDockWidget, "Table")], [390], Qt.Orientation.Horizontal)
-
-    def _scrolled(self, widget: QWidget) -> QScrollArea:
-        area = QScrollArea(widgetResizable=True)
-        area.setFrameShape(QScrollArea.Shape.NoFrame)
-        area.setWidget(widget)
-        return area
 
     def _dock(self, title: str, widget: QWidget, area: Qt.DockWidgetArea) -> None:
         dock = QDockWidget(title, self)
@@ -204,16 +152,6 @@ class MainWindow(QMainWindow):
             self._lay_out(new.split)
         if old is not None and old.lens != new.lens and old.lens < len(new.lenses):
             self._flip_to = old.lens
-        self.distances.setCurrentIndex(
-            max(0, self.distances.findData(new.distance)) if isinstance(new.distance, str) else 0
-        )
-        self.rule.setCurrentIndex(self.rule.findData(new.accommodation))
-        lens = new.active_lens
-        self.material.setEnabled(lens is not None)
-        if lens is not None:
-            known = self.material.findText(lens.material.name)
-            self.material.setCurrentIndex(known)
-            self.material.setPlaceholderText(lens.material.name)
         self._ask_readings(new)
 
     def _lay_out(self, split: int) -> None:
@@ -343,12 +281,6 @@ class MainWindow(QMainWindow):
         self.reports.cancel()
         self.say("stopped; what is shown may be older than the settings")
 
-    def _choose_distance(self) -> None:
-        chosen = self.distances.currentData()
-        self.document.edit(
-            "What maps show", lambda bench: replace(bench, distance=float(np.inf) if chosen is None else chosen)
-        )
-
     def _split(self, split: int) -> None:
         self.document.edit("Number of viewports", lambda bench: replace(bench, split=split))
 
@@ -389,7 +321,7 @@ class MainWindow(QMainWindow):
         )
 
     def _remove_lens(self) -> None:
-        k = self.tree.selected_lens()
+        k = self.table.tree.selected_lens()
         if k is not None:
             self.document.edit("Take lens off the table", lambda bench: bench.without_lens(k))
 
