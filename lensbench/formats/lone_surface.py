@@ -13,7 +13,8 @@ from ..optics.lens import Lens, Order, Points, circle_outline
 from ..optics.materials import MATERIALS, Material
 from ..optics.surfaces import Surface
 from .lens_file import check_body
-from .surface_data import Fitted, Reading, SurfaceData
+from .orientation import named
+from .surface_data import Fitted, Reading, SurfaceData, chosen
 
 USUAL_MATERIAL = "MR-8"
 USUAL_DIAMETER = 60.0
@@ -57,16 +58,42 @@ def _lens(path: Path, held: Sequence[SurfaceData], side: str, told: Completion) 
     reading = replace(told.reading, side=side, face=face, index=material.n_e)
     mine = [s for s in held if s.side in ("", side)]
     other = {"F": "B", "B": "F"}[face]
-    fitted = {face: next(s for s in mine if s.face in ("", face)).fitted(reading)} if mine else {}
-    if told.front_radius is None and told.back_radius is None:
-        second = next((s for s in mine if s.face == other), None)
-        if second is not None:
-            fitted[other] = second.fitted(replace(reading, face=other))
+    pair = {face: chosen(path, mine, side, face)}
+    second = next((s for s in mine if s.face == other), None)
+    if second is not None and told.front_radius is None and told.back_radius is None:
+        pair[other] = second
+    fitted = _fitted(pair, reading)
     side = side or _side_found(fitted[face]) or "R"
     lens = _with_other(fitted, face, material, side, told, said)
     lens = replace(lens, name=path.name, note=_note(path, fitted, said))
     check_body(path, lens)
     return lens
+
+
+def _fitted(pair: dict[str, SurfaceData], reading: Reading) -> dict[str, Fitted]:
+    """The surfaces of a file by face; a shape that cannot tell its order is read in the order that the other one tells."""
+    fitted: dict[str, Fitted] = {}
+    failed: dict[str, InputError] = {}
+    for face, surface in pair.items():
+        try:
+            fitted[face] = surface.fitted(replace(reading, face=face))
+        except InputError as error:
+            failed[face] = error
+    told = [v for f in fitted.values() for label, _, v in f.facts if label == "Orientation" and isinstance(v, dict)]
+    for face, failure in failed.items():
+        if not told or str(told[0]["why"]).startswith("any order"):
+            raise failure
+        order = named(str(told[0]["orientation"]))
+        again = replace(
+            reading,
+            face=face,
+            first_point=order.first_point,
+            rows=order.rows,
+            z_towards=told[0]["z_towards"],
+            flip_z=False,
+        )
+        fitted[face] = pair[face].fitted(again)
+    return fitted
 
 
 def _side_found(fitted: Fitted) -> str:

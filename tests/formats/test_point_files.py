@@ -458,13 +458,18 @@ def test_front_and_back_of_both_sides_are_two_whole_lenses(tmp_path):
     path = tmp_path / "pair.sdf"
     lb.write(path, lens, mirrored(lens))
     assert [(i.side, i.face) for i in read_file(path).items] == [("R", "F"), ("R", "B"), ("L", "F"), ("L", "B")]
-    told = Completion(reading=Reading(first_point="top-left", rows="horizontal"), thickness=2.2)
+    told = Completion(thickness=2.2)  # the progressive front tells the order for the torus, which cannot
     right, left = (lens for lens, _ in lb.load_pair(path, told=told))
     assert (right.side, left.side) == ("R", "L")
     x, y = np.array([5.0, -12.0]), np.array([-9.0, 14.0])
     assert right.back.sag(x, y) == pytest.approx(lens.back.sag(x, y), abs=2e-6)
     assert left.front.sag(-x, y) == pytest.approx(right.front.sag(x, y), abs=1e-6)
     assert "back" not in right.note.partition("assumed:")[2]
+
+
+def test_a_face_that_the_file_does_not_hold():
+    with pytest.raises(InputError, match="face F; wanted is side R face B"):
+        lb.load_lens(SAMPLES / "regular_R.sdf", told=Completion(reading=Reading(face="B")))
 
 
 def test_toml_written_comes_back(tmp_path):
