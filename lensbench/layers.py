@@ -152,12 +152,17 @@ class AgainstLayer:
 
 @dataclass(frozen=True, slots=True)
 class ProbeLayer:
-    """Readings along one gaze: through a point (x, y) mm of the front surface, or in a direction (3,) of the wear frame."""
+    """Readings along one gaze: through a point (x, y) mm of the front surface, or in a direction (3,) of the wear frame.
+
+    distance: as in MapLayer. head_turn, head_tilt: as in ViewLayer, for what is met in the scene.
+    """
 
     point: tuple[float, float] | None = None
     direction: tuple[float, float, float] | None = None
     distance: float | str = np.inf
     accommodation: Accommodation = "retina"
+    head_turn: float = 0.0
+    head_tilt: float = 0.0
 
 
 EYES = ("lens", "naked", "pinhole", "perfect")

@@ -40,7 +40,7 @@ from .layers import (
     VoxelField,
     VoxelLayer,
 )
-from .optics.conventions import Floats, Status, astigmatism, mean_power
+from .optics.conventions import Floats, Status, astigmatism, mean_power, rotation_xy
 from .optics.distortion import seen_chart
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import Accommodation, GazeField, ellipse
@@ -309,4 +309,11 @@ def probe(layer: ProbeLayer, request: Request) -> Probe:
         field = trace(lens, wearer, np.array([layer.direction], dtype=float))
     if field.status[0] != Status.OK:
         return read_probe(field, np.nan, 0.0)
-    return read_probe(field, _object_distance(layer.distance, field, request), layer.accommodation)
+    distance = _object_distance(layer.distance, _turned(field, layer), request)
+    return read_probe(field, distance, layer.accommodation)
+
+
+def _turned(field: GazeField, layer: ProbeLayer) -> GazeField:
+    """The rays of a field in the scene before which the head is turned."""
+    head, centre = rotation_xy(-layer.head_tilt, layer.head_turn), field.wearer.centre_of_rotation
+    return replace(field, origin=(field.origin - centre) @ head.T + centre, direction=field.direction @ head.T)

@@ -1,6 +1,7 @@
 """The main window: tree and forms on the left, linked viewports in the middle, readings and log below."""
 
 import base64
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -181,7 +182,8 @@ class MainWindow(QMainWindow):
         if lens is None:
             return
         distance = bench.distance if direction is None else "scene"
-        layer = ProbeLayer(point, direction, distance, bench.accommodation)
+        head = (math.radians(angle) for angle in (bench.head_turn, bench.head_tilt))
+        layer = ProbeLayer(point, direction, distance, bench.accommodation, *head)
         scene = bench.scene if distance == "scene" else ""
         self.lane.ask("probe", partial(answer_with_scene, lens, bench.active_wearer, layer, scene), first=True)
 
