@@ -53,10 +53,12 @@ def real_rays_figure(lens: Lens, found: RealRays, names: Sequence[str]) -> Figur
         labels,
         loc="upper left",
         bbox_to_anchor=(0.06, 0.89),
-        ncols=4,
+        ncols=len(labels),
         frameon=False,
         fontsize=9,
         markerscale=2,
+        columnspacing=1.2,
+        handletextpad=0.2,
     )
     maps.titles(
         figure, 0.9 / 13.0, "First order against real rays", lens.name, "gazes over the whole lens, whole pupil"
