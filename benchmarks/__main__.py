@@ -1,30 +1,42 @@
-"""make bench: measured speed; prints a table and writes reports/bench.json."""
+"""make bench, lensbench bench: measured speed, each figure beside its target; writes reports/bench.json and bench.html."""
 
 import sys
 
-import numba
-
 from lensbench.output import to_json, write_file
 
+from .figures import Figure, as_data, as_page
 from .files import reading_points
+from .fresh import first_calls, peak_memory
+from .growth import growth
 from .latency import map_latency
-from .rays import rays_against_batoid
+from .rays import rays_against_peers
 from .report import report_split
 from .timing import ROOT
 from .view import view_against_real_rays, view_cost
+from .voxels import blur_fields
 
-PARTS = (rays_against_batoid, map_latency, reading_points, report_split, view_cost, view_against_real_rays)
+# A part measures and returns its figures, or a dict of plain ones by name; add yours here.
+PARTS = (
+    rays_against_peers, map_latency, blur_fields, growth, peak_memory, first_calls, reading_points, report_split,
+    view_cost, view_against_real_rays,
+)  # fmt: skip
 
 
 def main() -> int:
-    """Measure, print a table, write reports/bench.json."""
-    found: dict[str, float] = {"threads": float(numba.get_num_threads())}
+    """Measure and print a table; with --json print nothing but reports/bench.json."""
+    as_json = "--json" in sys.argv[1:]
+    figures: list[Figure] = []
     for part in PARTS:
-        measured = part()
-        found |= measured
-        for name, value in measured.items():
-            print(f"{name:<48} {value:10.2f}", flush=True)
-    write_file(ROOT / "reports" / "bench.json", to_json(found))
+        found = part()
+        measured = [Figure(name, value, "") for name, value in found.items()] if isinstance(found, dict) else found
+        figures += measured
+        if not as_json:
+            print(f"-- {part.__doc__.strip() if part.__doc__ else part.__name__}")
+            print("\n".join(figure.line() for figure in measured), flush=True)
+    text = to_json(as_data(figures))
+    write_file(ROOT / "reports" / "bench.json", text)
+    write_file(ROOT / "reports" / "bench.html", as_page(figures))
+    print(text if as_json else f"written: {ROOT / 'reports' / 'bench.json'} and bench.html")
     return 0
 
 

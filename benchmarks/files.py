@@ -10,12 +10,13 @@ import lensbench as lb
 from lensbench.formats.body import BodySurface
 from lensbench.optics.mirror import mirrored_surface
 
+from .figures import Figure
 from .timing import ROOT, rounds
 
 COUNT, WIDTH = 171, 63.75
 
 
-def reading_points() -> dict[str, float]:
+def reading_points() -> list[Figure]:
     """An SDF pair of 171 x 171 points to two ready-to-trace lenses, ms; and against FITPACK's smoothing of the same points."""
     front = lb.load_surface(ROOT / "sample_lenses" / "regular_R.sdf")
     left = BodySurface("", mirrored_surface(front), "L", "F")
@@ -40,8 +41,8 @@ def reading_points() -> dict[str, float]:
         whole, ours, theirs = rounds(pair, surfaces, fitpack)
     assert points[0].values.shape == (COUNT, COUNT)
     assert np.isfinite(points[0].values).all()
-    return {
-        "SDF pair of 171 x 171 to lenses, ms": whole * 1e3,
-        "  of which surfaces from points, ms": ours * 1e3,
-        "  FITPACK's smoothing of the same points, ms": theirs * 1e3,
-    }
+    return [
+        Figure("SDF pair of 171 x 171 to lenses", whole * 1e3, "ms"),
+        Figure("  of which surfaces from points", ours * 1e3, "ms"),
+        Figure("  FITPACK's smoothing of the same points", theirs * 1e3, "ms"),
+    ]

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import lensbench as lb
 
+from .figures import Figure
 from .timing import ROOT
 
 
-def report_split() -> dict[str, float]:
+def report_split() -> list[Figure]:
     """A whole report of the regular sample lens, warm: seconds by step."""
     from lensbench.report.build import DEFAULT_DISTANCES, build_report
     from lensbench.report.progress import Progress
@@ -21,5 +22,5 @@ def report_split() -> dict[str, float]:
         progress = Progress(nowhere)
         build_report(lens, wearer, Path(folder), DEFAULT_DISTANCES, progress)
         progress.done()
-    split = {f"report: {name}, s": seconds for name, seconds in progress.seconds.items()}
-    return split | {"report: total, s": sum(progress.seconds.values())}
+    split = [Figure(f"report: {name}", seconds, "s") for name, seconds in progress.seconds.items()]
+    return [*split, Figure("report: total", sum(progress.seconds.values()), "s")]

@@ -18,7 +18,7 @@ from .surfaces import Surface
 MOST_STEPS = 30
 CLOSE = 1e-6  # of the distance: one more step of Newton's method then leaves less than 1e-11
 ENDLESS = np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)  # an outline that holds every point
-CHUNK = 4096  # rays whose intermediate results stay in the processor's cache
+CHUNK = 16384  # rays whose intermediate results stay in the processor's cache
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,12 +156,14 @@ def _posed(surface: Surface, pose: WornPose, height: float) -> tuple[Any, ...]:
 
 def _kernel(surface: Surface) -> Callable[..., None]:
     """The vectorised kernel for a surface."""
-    refract, kind = kernels.refract, surface.kind
-    if kind == kernels.surface.SPLINE:
-        return refract.compiled(refract.bicubics if surface.cells.shape[2] == 4 else refract.biquintics)
-    if kind == kernels.surface.CONIC:
-        return refract.compiled(refract.conics if surface.p[1:].any() else refract.spheres)
-    return refract.compiled(refract.torics if kind == kernels.surface.TORIC else refract.biconics)
+    refract = kernels.refract
+    if surface.kind == kernels.surface.SPLINE:
+        kind = refract.bicubics if surface.cells.shape[2] == 4 else refract.biquintics
+    elif surface.kind == kernels.surface.CONIC:
+        kind = refract.conics if surface.p[1:].any() else refract.spheres
+    else:
+        kind = refract.torics if surface.kind == kernels.surface.TORIC else refract.biconics
+    return kernels.surface.compiled(kind, refract.SIGNATURE)
 
 
 def _traced_rays(out: Floats, status: NDArray[np.int8]) -> TracedRays:

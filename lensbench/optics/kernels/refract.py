@@ -1,8 +1,8 @@
 """One surface for many rays at once: a vectorised kernel for each kind of surface. Frames and units as in surface, trace.
 
-Each kernel starts Newton's method on a sphere, makes two steps and corrects the slopes of the third evaluation by the
-second derivatives instead of evaluating once more. A ray that is not safely met in this way becomes NaN: trace.finish
-takes it up with the search that never fails.
+Each kernel starts Newton's method on a sphere, makes two steps (a spline's first one by the terms up to third order) and
+corrects the slopes of the third evaluation by the second derivatives instead of evaluating once more. A ray that is not
+safely met in this way becomes NaN: trace.finish takes it up with the search that never fails.
 
 A kernel's arguments: surface (kind, p, breaks_x, breaks_y, bins_x, bins_y, cells, pose (12,): rotation row by row, then
 vertex; surface to wear frame); n0, n1 refractive indices; rays, refracted (6, n): point (mm) and unit direction in the
@@ -15,22 +15,13 @@ import math
 
 import numba as nb
 
-from .surface import BINS, CELLS, FASTMATH, MATRIX, VECTOR, biconic, bin_of, conic, eight, inline, toric
+from .surface import BINS, CELLS, MATRIX, VECTOR, biconic, bin_of, conic, eight, inline, kernel, toric
 
 SURFACE = nb.types.Tuple((nb.int64, VECTOR, VECTOR, VECTOR, BINS, BINS, CELLS, VECTOR))
 ROWS = nb.float64[:, ::1]
 LAST_STEP = 1e-6  # mm: a smaller last step leaves 1e-14 mm and 1e-7 D
 
 SIGNATURE = nb.void(SURFACE, nb.float64, nb.float64, MATRIX, ROWS, ROWS, nb.uint64)
-kernel = nb.njit(nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH)
-
-
-def compiled(kind):
-    """A kernel of this module, compiled when it is first needed: few lenses need all of them."""
-    if not kind.overloads:
-        kind.compile(SIGNATURE)
-        kind.disable_compile()
-    return kind
 
 
 @inline
@@ -65,7 +56,7 @@ def to_sphere(c, local):
 
 @inline
 def newton(d, t, local):
-    """The next t, from (f, fx, fy, fxx, fxy, fyy) at t."""
+    """The next t, from (f, fx, fy, ...) at t."""
     return t - (local[2] + t * local[5] - d[0]) / (local[5] - d[1] * local[3] - d[2] * local[4])
 
 
@@ -268,6 +259,16 @@ def biquintic(cells, j, i, s, t):
 
 
 @inline
+def corner(cells, j, i, s, t):
+    """(f, fx, fy) of a cell by the terms up to third order: near enough for a first step, and few numbers to fetch."""
+    a, ax, _ = cubic_row(cells, j, i, 0, s)
+    b0, b1, b2 = cells[j, i, 1, 0], cells[j, i, 1, 1], cells[j, i, 1, 2]
+    c0, c1, d0 = cells[j, i, 2, 0], cells[j, i, 2, 1], cells[j, i, 3, 0]
+    b, c = b0 + s * (b1 + s * b2), c0 + s * c1
+    return a + t * (b + t * (c + t * d0)), ax + t * (b1 + 2 * s * b2 + t * c1), b + t * (2 * c + t * 3 * d0)
+
+
+@inline
 def in_cell(breaks, cell, x):
     """Whether x lies in the cell."""
     return (x >= breaks[cell]) & (x <= breaks[cell + 1])
@@ -284,7 +285,7 @@ def bicubics(surface, n0, n1, rays, refracted, bends, first):
         t = to_sphere(c, local)
         x, y = local[0] + t * local[3], local[1] + t * local[4]
         i, j = guess_cell(bx, nx, x), guess_cell(by, ny, y)
-        t = newton(bicubic(cells, j, i, x - bx[i], y - by[j]), t, local)
+        t = newton(corner(cells, j, i, x - bx[i], y - by[j]), t, local)
         x, y = local[0] + t * local[3], local[1] + t * local[4]
         i, j = guess_cell(bx, nx, x), guess_cell(by, ny, y)
         t = newton(bicubic(cells, j, i, x - bx[i], y - by[j]), t, local)
@@ -306,7 +307,7 @@ def biquintics(surface, n0, n1, rays, refracted, bends, first):
         t = to_sphere(c, local)
         x, y = local[0] + t * local[3], local[1] + t * local[4]
         i, j = guess_cell(bx, nx, x), guess_cell(by, ny, y)
-        t = newton(biquintic(cells, j, i, x - bx[i], y - by[j]), t, local)
+        t = newton(corner(cells, j, i, x - bx[i], y - by[j]), t, local)
         x, y = local[0] + t * local[3], local[1] + t * local[4]
         i, j = guess_cell(bx, nx, x), guess_cell(by, ny, y)
         t = newton(biquintic(cells, j, i, x - bx[i], y - by[j]), t, local)

@@ -29,6 +29,15 @@ SHAPE = nb.types.Tuple((nb.int64, VECTOR, VECTOR, VECTOR, BINS, BINS, CELLS))
 FASTMATH = {"contract", "nsz"}  # what leaves NaN and infinity alone
 inline = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH, forceinline=True)
 called = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH)
+kernel = nb.njit(nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH)
+
+
+def compiled(lazy, signature):
+    """A kernel without a signature of its own, compiled when it is first needed: few runs need all of them."""
+    if not lazy.overloads:
+        lazy.compile(signature)
+        lazy.disable_compile()
+    return lazy
 
 
 @inline

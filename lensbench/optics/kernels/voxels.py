@@ -1,23 +1,30 @@
-"""The blur matrix in every voxel of a view frustum, from the columns of a gaze field: 16 bytes a voxel, as fast as they are
-written; therefore float32 throughout, and the depths of one gaze side by side.
+"""The blur matrix in every voxel of a view frustum, from a gaze field: 16 bytes a voxel, as fast as they are written;
+therefore float32 from the columns on, and the depths of one gaze side by side.
 """
 
 import numba as nb
 import numpy as np
 
-from .surface import FASTMATH, inline
+from .surface import VECTOR, inline, kernel
 
-COLUMNS = nb.types.Array(nb.float32, 2, "C", readonly=True)
+VECTORS = nb.types.Array(nb.float64, 2, "A", readonly=True)
+MATRICES = nb.types.Array(nb.float64, 3, "A", readonly=True)
 DEPTHS = nb.types.Array(nb.float32, 1, "C", readonly=True)
-ZERO, HALF, NAN = np.float32(0), np.float32(0.5), np.float32(np.nan)
+SIGNATURE = nb.void(VECTORS, VECTORS, MATRICES, VECTOR, VECTOR, DEPTHS, nb.float32[:, :, ::1])
+ZERO, HALF, NAN, single = np.float32(0), np.float32(0.5), np.float32(np.nan), np.float32
 
 
 @inline
-def column(c, i):
-    """G, H, B and D of the i-th gaze."""
+def column(t, i, r, v0, v1, v2, v3):
+    """G = r (A + B V), H = r (C + D V), B and D of the i-th transfer matrix t, row by row, for the vergence V."""
+    b0, b1, b2, b3 = t[i, 0, 2], t[i, 0, 3], t[i, 1, 2], t[i, 1, 3]
+    d0, d1, d2, d3 = t[i, 2, 2], t[i, 2, 3], t[i, 3, 2], t[i, 3, 3]
     return (
-        c[2, i], c[3, i], c[4, i], c[5, i], c[6, i], c[7, i], c[8, i], c[9, i],
-        c[10, i], c[11, i], c[12, i], c[13, i], c[14, i], c[15, i], c[16, i], c[17, i],
+        single(r * (t[i, 0, 0] + b0 * v0 + b1 * v2)), single(r * (t[i, 0, 1] + b0 * v1 + b1 * v3)),
+        single(r * (t[i, 1, 0] + b2 * v0 + b3 * v2)), single(r * (t[i, 1, 1] + b2 * v1 + b3 * v3)),
+        single(r * (t[i, 2, 0] + d0 * v0 + d1 * v2)), single(r * (t[i, 2, 1] + d0 * v1 + d1 * v3)),
+        single(r * (t[i, 3, 0] + d2 * v0 + d3 * v2)), single(r * (t[i, 3, 1] + d2 * v1 + d3 * v3)),
+        single(b0), single(b1), single(b2), single(b3), single(d0), single(d1), single(d2), single(d3),
     )  # fmt: skip
 
 
@@ -34,19 +41,18 @@ def blurred(v, s, limit):
     return m0 - a * n0, m1 - a * n1, m2 - a * n2, m3 - a * n3
 
 
-@nb.njit(
-    nb.void(COLUMNS, DEPTHS, nb.float32, nb.float32[:, :, ::1]),
-    nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH,
-)  # fmt: skip
-def fill(columns, depths, limit, out):
+@kernel
+def fill(origin, direction, transfer, eye, used, depths, out):
     """Blur matrices M (mm) of n gazes on planes straight ahead.
 
-    columns (18, n): z (mm) of each ray's origin, 1 / z of its direction, and what M is made of, row by row: G = r (A + B R),
-    H = r (C + D R), B, D with the pupil's radius r (mm) and the refraction R (1/mm). depths (k,): mm, wear frame. limit:
-    amplitude of accommodation (1/mm) times r. out (4, n, k): M row by row, NaN where the plane lies behind the lens.
+    origin, direction (n, 3), transfer (n, 4, 4): as in a gaze field. eye (6,): pupil radius (mm), refraction row by row
+    (1/mm), and what is left of the amplitude of accommodation (1/mm) beyond what is in `used` (n,). depths (k,): mm, wear
+    frame. out (4, n, k): M row by row, NaN where the plane lies behind the lens.
     """
-    for i in nb.prange(columns.shape[1]):
-        v, z, per_depth = column(columns, i), columns[0, i], columns[1, i]
+    limit = single(eye[0] * eye[5])
+    for i in nb.prange(used.size):
+        v = column(transfer, i, eye[0], eye[1] - used[i], eye[2], eye[3], eye[4] - used[i])
+        z, per_depth = single(origin[i, 2]), single(1 / direction[i, 2])
         for k in range(depths.size):
             s = (depths[k] - z) * per_depth
             s = s if s > ZERO else NAN

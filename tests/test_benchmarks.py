@@ -1,0 +1,50 @@
+"""What reports the benchmarks: figures with targets, and the truth that docs/conoid.md measures by."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import lensbench as lb
+from benchmarks import conoid
+from benchmarks.figures import Figure, as_data, as_page
+from lensbench.cli import machine, main
+
+
+@pytest.mark.parametrize(
+    ("figure", "verdict"),
+    [
+        (Figure("speed", 12.0, "x", at_least=10), "met"),
+        (Figure("speed", 9.9, "x", at_least=10), "missed"),
+        (Figure("wait", 4.0, "ms", at_most=5), "met"),
+        (Figure("wait", 5.1, "ms", at_most=5), "missed"),
+        (Figure("wait", float("nan"), "ms", at_most=5), "missed"),
+        (Figure("size", 4.0, "MB"), ""),
+    ],
+)
+def test_a_figure_against_its_target(figure, verdict):
+    assert figure.verdict == verdict
+    assert figure.line().endswith(verdict)
+
+
+def test_a_page_of_figures_is_escaped_and_says_where():
+    figures = [Figure("a < b", 1.5, "ms", at_most=2)]
+    assert "a &lt; b" in as_page(figures)
+    assert as_data(figures)["figures"] == [
+        {"name": "a < b", "value": 1.5, "unit": "ms", "at_most": 2, "verdict": "met"}
+    ]
+    assert as_data(figures)["machine"]["threads"] in as_page(figures)
+
+
+def test_bench_needs_a_checkout(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(machine, "__file__", str(tmp_path / "site-packages" / "lensbench" / "cli" / "machine.py"))
+    assert main(["bench"]) == 1
+    assert "checkout" in capsys.readouterr().err
+
+
+def test_real_ellipses_of_a_tiny_pupil_are_those_of_the_field():
+    lens, wearer = conoid.cases()["toric -2.00 -1.50 x 20, its eye"]
+    wearer = replace(wearer, eye=replace(wearer.eye, pupil_diameter=0.1))
+    field = lb.trace(lens, wearer, lb.GazeGrid(3, 3, 0.3, 0.3))
+    ours = conoid.sizes(field.blur(conoid.distance(field, 780.0)))
+    np.testing.assert_allclose(conoid.real_ellipses(field, 780.0), ours, rtol=1e-4)
