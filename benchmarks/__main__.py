@@ -14,11 +14,12 @@ from .report import report_split
 from .timing import ROOT
 from .view import view_against_real_rays, view_cost
 from .voxels import blur_fields
+from .window import window_latency
 
 # A part measures and returns its figures, or a dict of plain ones by name; add yours here.
 PARTS = (
     rays_against_peers, map_latency, blur_fields, growth, peak_memory, first_calls, reading_points, report_split,
-    view_cost, view_against_real_rays,
+    view_cost, view_against_real_rays, window_latency,
 )  # fmt: skip
 
 

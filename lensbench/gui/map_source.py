@@ -12,7 +12,7 @@ from ..session import Pane, Workbench
 from ..views.bands import Bands, map_bands, shared_limits
 from .scene_source import answer_with_scene
 
-SAMPLES = 121
+SAMPLES = 128
 
 
 class BandedMap(NamedTuple):
