@@ -8,10 +8,10 @@ import json
 import os
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from .errors import InputError
 from .formats import load_pair
@@ -202,6 +202,12 @@ class PaneTable(Table):
     width: float = Field(60.0, ge=5, le=120)
     split: bool = False
 
+    @model_validator(mode="after")
+    def _whole_scale(self) -> "PaneTable":
+        if (self.low is None) != (self.high is None) or (self.low is not None and not self.low < self.high):  # type: ignore[operator]
+            raise ValueError("a scale needs both limits, low below high, or neither")
+        return self
+
 
 class SessionTable(Table):
     """The whole file."""
@@ -214,9 +220,9 @@ class SessionTable(Table):
     wearer: int = Field(0, ge=0)
     panes: list[PaneTable] = Field(min_length=4, max_length=4)
     split: Literal[1, 2, 4] = 4
-    distance: float | Literal["inf", "scene", "model"] = "inf"
+    distance: Annotated[float, Field(gt=0)] | Literal["inf", "scene", "model"] = "inf"
     accommodation: Literal["retina", "object", "paper"] = "retina"
-    depths: list[float] = Field(default=[300.0, 500.0, 800.0], min_length=1, max_length=9)
+    depths: list[Annotated[float, Field(gt=0)]] = Field(default=[300.0, 500.0, 800.0], min_length=1, max_length=9)
     head_turn: float = Field(0.0, ge=-60, le=60)
     head_tilt: float = Field(0.0, ge=-60, le=60)
     window: str = ""
@@ -286,4 +292,7 @@ def _lens_on_table(path: Path, entry: LensEntry) -> LensOnTable:
     lens, _ = load_pair(file, entry.side, entry.as_material)[0]
     ordered = None if entry.ordered is None else Order(**entry.ordered.model_dump())
     on_table = LensOnTable(file, lens, lens, entry.side, entry.as_material)
-    return on_table.edited(centre_thickness=entry.centre_thickness, material=entry.material, ordered=ordered)
+    try:
+        return on_table.edited(centre_thickness=entry.centre_thickness, material=entry.material, ordered=ordered)
+    except InputError as error:
+        raise InputError(f"{path}: {entry.file}: {error}") from None

@@ -24,5 +24,5 @@ def opened(path: Path, bench: Workbench) -> Workbench:
     if isinstance(items[0], Wearer):
         return bench.with_wearer(items[0])
     if isinstance(items[0], Scene):
-        return replace(bench, scene=str(path))
+        return replace(bench, scene=str(path.absolute()))
     return bench.with_lens(path)

@@ -99,4 +99,6 @@ class Lane(QObject):
 
 def sentence(error: Exception) -> str:
     """An error as one line for the reader; what nobody foresaw keeps its type."""
+    if isinstance(error, OSError) and error.filename:
+        return f"{error.filename}: {error.strerror}"
     return str(error) if isinstance(error, LensBenchError) else f"{type(error).__name__}: {error}"

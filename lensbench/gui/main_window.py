@@ -27,7 +27,7 @@ from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
 from ..session import SPLITS, Pane, Workbench, load_session, save_session
 from .document import Document
 from .files import opened
-from .lane import Lane
+from .lane import Lane, sentence
 from .pictures import PictureActions
 from .readings_panel import PointsTable, ProbePanel, ToleranceTable
 from .reports import ReportRunner
@@ -225,8 +225,8 @@ class MainWindow(QMainWindow):
         """Do something; what is wrong is said, not raised."""
         try:
             do()
-        except LensBenchError as error:
-            self.say(str(error))
+        except (LensBenchError, OSError) as error:
+            self.say(sentence(error))
             return False
         return True
 
@@ -234,10 +234,11 @@ class MainWindow(QMainWindow):
         """Open lenses, wearers, scenes and sessions; what cannot be read is said and changes nothing."""
         for path in paths:
             if path.name.endswith(".lensbench.json"):
-                self.attempt(partial(self._open_session, path))
+                done = self.attempt(partial(self._open_session, path))
             else:
-                self.attempt(lambda path=path: self.document.edit(f"Open {path.name}", partial(opened, path)))
-            self._remember(path)
+                done = self.attempt(lambda path=path: self.document.edit(f"Open {path.name}", partial(opened, path)))
+            if done:
+                self._remember(path)
 
     def _open_session(self, path: Path) -> None:
         workbench, window = load_session(path)

@@ -41,7 +41,7 @@ class _Table(QTableWidget):
             for i, text in enumerate(row):
                 item = QTableWidgetItem(text)
                 side = Qt.AlignmentFlag.AlignLeft if i == 0 else Qt.AlignmentFlag.AlignRight
-                item.setTextAlignment(int(side | Qt.AlignmentFlag.AlignVCenter))
+                item.setTextAlignment(side | Qt.AlignmentFlag.AlignVCenter)
                 self.setItem(j, i, item)
 
 

@@ -59,6 +59,7 @@ class ReportRunner:
         self.process = QProcess(self.window)
         self.process.readyReadStandardError.connect(self._listen)
         self.process.finished.connect(lambda code, _status: self._over(code, folder))
+        self.process.errorOccurred.connect(lambda error: self._not_started(error, folder))
         self.process.start(sys.executable, self._command(verb, session, folder))
 
     def _command(self, verb: str, session: Path, folder: Path) -> Sequence[str]:
@@ -76,6 +77,11 @@ class ReportRunner:
         last = self._heard.strip().splitlines()[-1:] or [""]
         if self._dialog is not None:
             self._dialog.setLabelText(last[0])
+
+    def _not_started(self, error: QProcess.ProcessError, folder: Path) -> None:
+        if error == QProcess.ProcessError.FailedToStart:
+            self._heard = f"{sys.executable} cannot be started"
+            self._over(2, folder)
 
     def _over(self, code: int, folder: Path) -> None:
         self._listen()

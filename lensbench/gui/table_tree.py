@@ -1,6 +1,7 @@
 """The tree of what lies on the table: lenses, wearers, scenes. A click makes one the active one."""
 
 from dataclasses import replace
+from html import escape
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
@@ -54,7 +55,7 @@ class TableTree(QTreeWidget):
         top.setFlags(Qt.ItemFlag.ItemIsEnabled)
         for k, (text, active) in enumerate(entries):
             item = QTreeWidgetItem(top, [text])
-            item.setToolTip(0, text)
+            item.setToolTip(0, f"<p>{escape(text)}</p>")
             item.setData(0, ROLE, (kind, text if kind == "scene" else k))
             font = item.font(0)
             font.setBold(active)

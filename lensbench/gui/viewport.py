@@ -116,6 +116,7 @@ class Viewport(QFrame):
         menu = self.menu.menu()
         for action in self._own_actions:
             menu.removeAction(action)
+            action.deleteLater()
         self._own_actions = []
         seen = getattr(self.content, "seen", None)
         if seen is None:

@@ -1,0 +1,353 @@
+"""The main window as it is used: open, edit, probe, compare, flip, save and restore; nothing wrong changes anything."""
+
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
+from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from PySide6.QtWidgets import QApplication, QMessageBox
+
+from lensbench.compare import difference
+from lensbench.gui.main_window import MOST_RECENT, MainWindow
+from lensbench.layers import MapLayer, PointsLayer, ProbeLayer, Request
+from lensbench.session import Pane
+from lensbench.workbench import run
+
+SAMPLES = Path(__file__).parents[2] / "sample_lenses"
+PLUS, PROGRESSIVE, WEARER = (SAMPLES / name for name in ("sphere_plus_4_R.toml", "regular_R.toml", "presbyope_60.toml"))
+
+
+@pytest.fixture
+def ready(window, settle):
+    settle(window)
+    return window
+
+
+def logged(window):
+    return window.log.toPlainText().splitlines()
+
+
+def test_an_opened_lens_is_shown_and_read(ready, settle):
+    ready.open_files([PROGRESSIVE])
+    settle(ready)
+    bench = ready.document.workbench
+    names = ready.tree.findItems(bench.active_lens.name, Qt.MatchFlag.MatchContains | Qt.MatchFlag.MatchRecursive)
+    assert len(names) == 1
+    readings = run(Request(bench.active_lens, bench.active_wearer, PointsLayer()))
+    assert [ready.points.item(k, 0).text() for k in range(ready.points.rowCount())] == [
+        reading.name.replace("_", " ") for reading in readings
+    ]
+    assert ready.tolerances.rowCount() > 0
+    shown = ready.viewports[0].content.drawn.banded.lens_map
+    alone = run(Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance)))
+    np.testing.assert_array_equal(shown.values, alone.values)
+
+
+def test_files_of_every_kind_are_opened_together(ready, tmp_path):
+    ready.open_files([PLUS, WEARER])
+    bench = ready.document.workbench
+    assert len(bench.lenses) == 2
+    assert bench.active_wearer.age == 60
+    assert not logged(ready)
+
+
+@pytest.mark.parametrize("text", ["", "format = 3", "nonsense\x00"])
+@pytest.mark.parametrize("name", ["a.toml", "a.lensbench.json", "a.sdf", "a.stl", "a.xyz"])
+def test_a_bad_file_is_one_sentence_and_changes_nothing(ready, tmp_path, name, text):
+    path, before = tmp_path / name, ready.document.workbench
+    path.write_text(text)
+    ready.open_files([path])
+    assert ready.document.workbench is before
+    (line,) = logged(ready)
+    assert str(path) in line
+    ready.open_files([tmp_path / "gone.toml"])
+    assert len(logged(ready)) == 2
+    assert ready.document.workbench is before
+
+
+def test_only_what_could_be_opened_is_a_recent_file(ready, tmp_path, settings):
+    (tmp_path / "bad.toml").write_text("format = 3")
+    ready.open_files([tmp_path / "bad.toml", PLUS])
+    assert [action.text() for action in ready.recent.actions()] == [PLUS.name]
+    for k in range(MOST_RECENT + 2):
+        copy = tmp_path / f"{k}.toml"
+        copy.write_bytes(PLUS.read_bytes())
+        ready.open_files([copy])
+    assert len(settings.value("recent")) == MOST_RECENT
+    count = len(ready.document.workbench.lenses)
+    ready.recent.actions()[0].trigger()
+    assert len(ready.document.workbench.lenses) == count + 1
+
+
+def test_dropped_files_are_opened(ready):
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(PLUS)), QUrl("https://example.org/lens.toml")])
+    left, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
+    QApplication.sendEvent(ready, QDragEnterEvent(QPoint(5, 5), Qt.DropAction.CopyAction, data, left, none))
+    QApplication.sendEvent(ready, QDropEvent(QPointF(5, 5), Qt.DropAction.CopyAction, data, left, none))
+    assert [entry.path for entry in ready.document.workbench.lenses[1:]] == [PLUS]
+
+
+def test_an_edit_shows_everywhere_and_is_undone(ready, settle):
+    shown = ready.viewports[0].content.drawn.banded.lens_map.values
+    form = ready.forms.widget(1).findChild(type(ready.forms.widget(1).widget().rows["Vertex distance"]))
+    form.box.setValue(20.0)
+    settle(ready)
+    changed = ready.viewports[0].content.drawn.banded.lens_map.values
+    assert not np.array_equal(changed, shown, equal_nan=True)
+    ready.undo.trigger()
+    settle(ready)
+    np.testing.assert_array_equal(ready.viewports[0].content.drawn.banded.lens_map.values, shown)
+    assert not ready.undo.isEnabled()
+    assert "vertex distance" in ready.redo.text()
+
+
+def test_the_newest_of_many_moves_is_shown(ready, settle):
+    slider = ready.forms.widget(1).widget().rows["Vertex distance"].slider
+    slider.setSliderDown(True)
+    for step in range(0, slider.maximum(), 3):
+        slider.setValue(step)
+        QApplication.processEvents()
+    slider.setValue(slider.maximum())
+    slider.setSliderDown(False)
+    settle(ready)
+    bench = ready.document.workbench
+    assert bench.active_wearer.wear.vertex_distance == 25.0
+    last = run(Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance)))
+    np.testing.assert_array_equal(ready.viewports[0].content.drawn.banded.lens_map.values, last.values)
+    ready.document.undo()
+    assert not ready.document.undo_name
+
+
+def test_a_probe_is_marked_in_every_view(window, settle, qtbot, mouse):
+    panes = (Pane("map"), Pane("lens"), Pane("profile"), Pane("view"))
+    window.document.edit("Panes", lambda bench: replace(bench, panes=panes, split=4))
+    settle(window)
+    plot = window.viewports[0].content
+    at = plot.pixel(5.0, -7.0)
+    mouse(plot, QEvent.Type.MouseMove, at.x(), at.y())
+    qtbot.waitUntil(lambda: window.probe is not None, timeout=10000)
+    bench, probe = window.document.workbench, window.probe
+    assert probe.point == pytest.approx((5.0, -7.0), abs=0.2)
+    alone = run(Request(bench.active_lens, bench.active_wearer, ProbeLayer(probe.point, None, bench.distance)))
+    assert alone.mean_power == pytest.approx(probe.mean_power, abs=1e-9)
+    assert f"{probe.mean_power:+.2f} D" in window.probe_panel.text.text()
+    map_, lens, profile, view = (viewport.content for viewport in window.viewports)
+    assert map_.marked == pytest.approx(probe.point)
+    np.testing.assert_array_equal(lens.stage.mark, probe.exit)
+    assert profile.marked[1] == pytest.approx(probe.point[1])
+    spot = view._on_widget(probe)
+    assert spot is not None
+    mouse(view, QEvent.Type.MouseMove, spot.x(), spot.y())
+    qtbot.waitUntil(lambda: window.probe is not probe, timeout=10000)
+    assert window.probe.point == pytest.approx(probe.point, abs=0.05), "the view's way back to the lens"
+
+
+def test_two_lenses_flip_and_differ(ready, settle):
+    ready.open_files([PLUS])
+    ready.flip()
+    assert ready.document.workbench.lens == 0
+    ready.flip()
+    ready.flip()
+    assert ready.document.workbench.lens == 0
+    ready._difference()
+    settle(ready)
+    bench = ready.document.workbench
+    one, two = (entry.lens for entry in bench.lenses)
+    assert (bench.panes[0].lens, bench.panes[0].minus) == (0, 1)
+    meant = difference(one, two, bench.active_wearer, MapLayer("mean_power", bench.distance))
+    np.testing.assert_array_equal(ready.viewports[0].content.drawn.banded.lens_map.values, meant.values)
+    assert np.nanmean(meant.values) == pytest.approx(-8.0, abs=0.5)
+
+
+def test_two_lenses_side_by_side_have_one_scale(ready, settle):
+    ready.open_files([PLUS])
+    ready._side_by_side()
+    settle(ready)
+    one, two, less = (viewport.content for viewport in ready.viewports[:3])
+    np.testing.assert_array_equal(one.bands.levels, two.bands.levels)
+    assert less.drawn.banded.lens_map.quantity != one.drawn.banded.lens_map.quantity
+    ready.document.undo()
+    assert ready.document.workbench.split == 2
+
+
+def test_a_difference_and_a_comparison_need_two_lenses_and_say_so(ready):
+    for needy in (ready._difference, ready._side_by_side, ready.flip, ready.reports.ask_comparison):
+        needy()
+    assert len(logged(ready)) == 4
+    assert all("two lenses" in line for line in logged(ready))
+    assert not ready.document.undo_name
+
+
+def test_a_lens_is_taken_off_the_table(ready, settle):
+    ready.tree.setCurrentItem(ready.tree.topLevelItem(0).child(0))
+    ready._remove_lens()
+    assert not ready.document.workbench.lenses
+    assert "Open a lens" in ready.viewports[0]._stack.currentWidget().text()
+    ready.undo.trigger()
+    settle(ready)
+    assert len(ready.document.workbench.lenses) == 1
+
+
+def test_a_session_is_saved_and_restored_whole(ready, tmp_path, settings, qtbot, settle):
+    path = tmp_path / "design.lensbench.json"
+    ready.open_files([PLUS])
+    ready.document.edit(
+        "Panes", lambda bench: replace(bench.with_pane(0, low=-6.0, high=0.0, step=0.5), distance=400.0)
+    )
+    table = next(dock for dock in ready.findChildren(type(ready.probe_panel.parent())) if dock.objectName() == "Table")
+    table.hide()
+    assert ready.save(path)
+    assert not ready.document.modified
+    assert not ready.isWindowModified()
+    saved = ready.document.workbench
+    other = MainWindow(settings)
+    qtbot.addWidget(other)
+    other.show()
+    other.open_files([path])
+    bench = other.document.workbench
+    assert (bench.panes, bench.split, bench.distance, bench.lens) == (saved.panes, saved.split, 400.0, 1)
+    assert [entry.lens.name for entry in bench.lenses] == [entry.lens.name for entry in saved.lenses]
+    assert other.findChild(type(table), "Table").isHidden()
+    assert "design.lensbench.json" in other.windowTitle()
+    settle(other)
+    settle(ready)
+    for one, two in zip(ready.viewports[:2], other.viewports[:2], strict=True):
+        np.testing.assert_allclose(
+            one.content.drawn.banded.lens_map.values, two.content.drawn.banded.lens_map.values, atol=1e-6
+        )
+
+
+def test_a_folder_that_is_not_there_keeps_the_session_unsaved(ready, tmp_path):
+    (tmp_path / "file").write_text("")
+    ready.document.edit("Distance", lambda bench: replace(bench, distance=400.0))
+    assert not ready.save(tmp_path / "file" / "a.lensbench.json")
+    assert ready.document.modified
+    assert len(logged(ready)) == 1
+
+
+@pytest.mark.parametrize(
+    ("answer", "closes", "written"),
+    [("Save", True, True), ("Discard", True, False), ("Cancel", False, False)],
+)
+def test_closing_asks_about_changes_of_a_saved_session(ready, tmp_path, monkeypatch, answer, closes, written):
+    path = tmp_path / "a.lensbench.json"
+    ready.save(path)
+    before = path.read_text()
+    ready.document.edit("Distance", lambda bench: replace(bench, distance=400.0))
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: getattr(QMessageBox.StandardButton, answer))
+    assert ready.close() is closes
+    assert (path.read_text() != before) is written
+
+
+def test_closing_while_computing_ends_the_thread(ready):
+    begun, thread = threading.Event(), ready.lane._thread
+    ready.lane.ask("held", lambda: begun.set() or time.sleep(0.2))
+    ready.document.edit("Distance", lambda bench: replace(bench, distance=300.0))
+    ready.document.saved()
+    assert begun.wait(10)
+    ready.close()
+    assert not thread.is_alive()
+
+
+def test_layouts_show_as_many_viewports_as_they_say(ready, settle, qtbot):
+    for split in (1, 4, 2):
+        ready.splits[split].trigger()
+        qtbot.waitUntil(lambda split=split: [v.isVisible() for v in ready.viewports] == [k < split for k in range(4)])
+        assert ready.document.workbench.split == split
+    ready._act("alone", 1)
+    settle(ready)
+    assert ready.document.workbench.panes[0].quantity == "astigmatism"
+    assert ready.document.workbench.split == 1
+
+
+def test_what_was_stopped_stays_marked_as_old(ready, qtbot):
+    shown = ready.viewports[0].content.drawn
+    ready.document.edit("Distance", lambda bench: replace(bench, distance=300.0))
+    ready.stop()
+    qtbot.waitUntil(lambda: not ready.lane.busy, timeout=10000)
+    assert ready.viewports[0].content.drawn is shown
+    assert all("older" in viewport.state.toolTip() for viewport in ready.viewports[:2])
+    assert "stopped" in logged(ready)[-1]
+
+
+def test_head_and_eye_are_turned_by_the_mouse(window, settle, mouse):
+    panes = (Pane("view"), *window.document.workbench.panes[1:])
+    window.document.edit("View", lambda bench: replace(bench, panes=panes, split=1))
+    settle(window)
+    view, left = window.viewports[0].content, Qt.MouseButton.LeftButton
+
+    def drag(keys):
+        mouse(view, QEvent.Type.MouseButtonPress, 100, 100, left, keys)
+        for x in (110, 120, 130):
+            mouse(view, QEvent.Type.MouseMove, x, 100 + (x - 100) // 2, left, keys)
+        mouse(view, QEvent.Type.MouseButtonRelease, 130, 115, left, keys)
+
+    before = window.document.workbench
+    drag(Qt.KeyboardModifier.NoModifier)
+    turned = window.document.workbench
+    assert turned.head_turn != before.head_turn
+    assert turned.head_tilt != before.head_tilt
+    assert turned.panes == before.panes
+    drag(Qt.KeyboardModifier.ControlModifier)
+    looked = window.document.workbench
+    assert looked.head_turn == turned.head_turn
+    assert looked.panes[0].azimuth != turned.panes[0].azimuth
+    window.document.undo()
+    assert window.document.workbench is turned
+    window.document.undo()
+    assert window.document.workbench is before
+    settle(window)
+
+
+def test_cameras_of_stages_are_linked(window, settle, mouse):
+    panes = (Pane("lens"), Pane("lens", "astigmatism"), *window.document.workbench.panes[2:])
+    window.document.edit("Lenses", lambda bench: replace(bench, panes=panes, split=2))
+    settle(window)
+    one, two = (viewport.content.stage for viewport in window.viewports[:2])
+    before = np.array(one.stage.camera.position)
+    left = Qt.MouseButton.LeftButton
+    mouse(one, QEvent.Type.MouseButtonPress, 80, 80, left)
+    mouse(one, QEvent.Type.MouseMove, 120, 90, left)
+    mouse(one, QEvent.Type.MouseButtonRelease, 120, 90, left)
+    assert np.linalg.norm(np.array(one.stage.camera.position) - before) > 10
+    np.testing.assert_allclose(one.stage.camera.position, two.stage.camera.position)
+    np.testing.assert_allclose(one.stage.camera.up, two.stage.camera.up)
+
+
+def test_dark_and_light_dress_the_window(ready, settings, qtbot):
+    def lightness():
+        return ready.palette().window().color().lightness()
+
+    assert lightness() > 200
+    ready.dark.trigger()
+    qtbot.waitUntil(lambda: lightness() < 80)
+    assert settings.value("dark", type=bool)
+    ready.dark.trigger()
+    qtbot.waitUntil(lambda: lightness() > 200)
+
+
+def test_keys_do_what_the_menu_says(ready):
+    keys = {
+        action.shortcut().toString(): action.text()
+        for menu in ready.menuBar().actions()
+        for action in menu.menu().actions()
+        if not action.shortcut().isEmpty()
+    }
+    assert {
+        "Ctrl+O",
+        "Ctrl+S",
+        "Ctrl+Z",
+        "Ctrl+R",
+        "Ctrl+D",
+        "Space",
+        "Esc",
+        "F11",
+        "Ctrl+1",
+        "Ctrl+2",
+        "Ctrl+4",
+    } <= set(keys)
