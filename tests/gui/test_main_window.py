@@ -1,11 +1,15 @@
 """The main window as it is used: open, edit, probe, compare, flip, save and restore; nothing wrong changes anything."""
 
+import gc
+import os
 import threading
 import time
+import weakref
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
@@ -35,7 +39,7 @@ def test_an_opened_lens_is_shown_and_read(ready, settle):
     ready.open_files([PROGRESSIVE])
     settle(ready)
     bench = ready.document.workbench
-    names = ready.tree.findItems(bench.active_lens.name, Qt.MatchFlag.MatchContains | Qt.MatchFlag.MatchRecursive)
+    names = ready.table.tree.findItems(bench.active_lens.name, Qt.MatchFlag.MatchContains | Qt.MatchFlag.MatchRecursive)
     assert len(names) == 1
     readings = run(Request(bench.active_lens, bench.active_wearer, PointsLayer()))
     assert [ready.points.item(k, 0).text() for k in range(ready.points.rowCount())] == [
@@ -94,7 +98,7 @@ def test_dropped_files_are_opened(ready):
 
 def test_an_edit_shows_everywhere_and_is_undone(ready, settle):
     shown = ready.viewports[0].content.drawn.banded.lens_map.values
-    form = ready.forms.widget(1).findChild(type(ready.forms.widget(1).widget().rows["Vertex distance"]))
+    form = ready.table.forms.widget(1).findChild(type(ready.table.forms.widget(1).widget().rows["Vertex distance"]))
     form.box.setValue(20.0)
     settle(ready)
     changed = ready.viewports[0].content.drawn.banded.lens_map.values
@@ -107,7 +111,7 @@ def test_an_edit_shows_everywhere_and_is_undone(ready, settle):
 
 
 def test_the_newest_of_many_moves_is_shown(ready, settle):
-    slider = ready.forms.widget(1).widget().rows["Vertex distance"].slider
+    slider = ready.table.forms.widget(1).widget().rows["Vertex distance"].slider
     slider.setSliderDown(True)
     for step in range(0, slider.maximum(), 3):
         slider.setValue(step)
@@ -184,7 +188,7 @@ def test_a_difference_and_a_comparison_need_two_lenses_and_say_so(ready):
 
 
 def test_a_lens_is_taken_off_the_table(ready, settle):
-    ready.tree.setCurrentItem(ready.tree.topLevelItem(0).child(0))
+    ready.table.tree.setCurrentItem(ready.table.tree.topLevelItem(0).child(0))
     ready._remove_lens()
     assert not ready.document.workbench.lenses
     assert "Open a lens" in ready.viewports[0]._stack.currentWidget().text()
@@ -351,3 +355,24 @@ def test_keys_do_what_the_menu_says(ready):
         "Ctrl+2",
         "Ctrl+4",
     } <= set(keys)
+
+
+def test_windows_come_and_go_without_a_leak(qtbot, settings, settle):
+    """LENSBENCH_WINDOWS: how many; memory settles after the first ones, whose scenes and kernels stay."""
+    memory, alive = [], []
+    for _ in range(int(os.environ.get("LENSBENCH_WINDOWS", "4"))):
+        window = MainWindow(settings)
+        alive += [weakref.ref(window), weakref.ref(window.viewports[0]), weakref.ref(window.lane._thread)]
+        window.show()
+        window.open_files([PLUS])
+        settle(window)
+        window.document.saved()
+        window.close()
+        window.deleteLater()
+        del window
+        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        memory.append(psutil.Process().memory_info().rss / 1e6)
+    gc.collect()
+    assert [found() for found in alive] == [None] * len(alive)
+    growth = (memory[-1] - memory[1]) / (len(memory) - 2)
+    assert growth < 80, f"MB a window: {growth:.0f}; {memory}"
