@@ -52,7 +52,7 @@ def settle(qtbot):
         shown = window.viewports[: window.document.workbench.split]
         return not window.lane.busy and all(v.answered and v.state.text() == "" for v in shown)
 
-    return lambda window: qtbot.waitUntil(lambda: settled(window), timeout=30000)
+    return lambda window: qtbot.waitUntil(lambda: settled(window), timeout=150000)
 
 
 @pytest.fixture(scope="session")

@@ -15,14 +15,14 @@ from lensbench.gui.main_window import MainWindow
 
 def settle(application, window):
     """Wait until every viewport shows what was asked last."""
-    until = time.monotonic() + 60
+    until = time.monotonic() + 150
     while time.monotonic() < until:
         application.processEvents()
         shown = window.viewports[: window.document.workbench.split]
         if not window.lane.busy and all(v.answered and v.state.text() == "" for v in shown):
             return
         time.sleep(0.002)
-    raise SystemExit("the window did not come to rest within 60 s")
+    raise SystemExit("the window did not come to rest within 150 s")
 
 
 def on_screen(window, content, place):

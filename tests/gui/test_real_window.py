@@ -33,7 +33,7 @@ def test_a_window_on_a_screen_is_opened_edited_probed_saved_and_closed(screen, t
     environment = {**os.environ, "QT_QPA_PLATFORM": "xcb", "DISPLAY": screen}
     ended = subprocess.run(
         [sys.executable, str(HERE / "real_window.py"), str(SPHERE), str(tmp_path)],
-        env=environment, capture_output=True, text=True, timeout=180, check=False,
+        env=environment, capture_output=True, text=True, timeout=300, check=False,
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert not re.search(r"plugin|QObject|QThread|QPainter|Traceback", ended.stderr), ended.stderr
