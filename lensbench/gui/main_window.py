@@ -239,6 +239,12 @@ class MainWindow(QMainWindow):
                 done = self.attempt(lambda path=path: self.document.edit(f"Open {path.name}", partial(opened, path)))
             if done:
                 self._remember(path)
+                self._say_what_was_assumed()
+
+    def _say_what_was_assumed(self) -> None:
+        lens = self.document.workbench.active_lens
+        if lens is not None and lens.note:
+            self.say(f"{lens.name}: {lens.note}")
 
     def _open_session(self, path: Path) -> None:
         workbench, window = load_session(path)

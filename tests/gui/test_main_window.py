@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from lensbench.compare import difference
 from lensbench.gui.main_window import MOST_RECENT, MainWindow
+from lensbench.gui.map_source import SAMPLES as MAP_SAMPLES
 from lensbench.layers import MapLayer, PointsLayer, ProbeLayer, Request
 from lensbench.session import Pane
 from lensbench.workbench import run
@@ -47,7 +48,9 @@ def test_an_opened_lens_is_shown_and_read(ready, settle):
     ]
     assert ready.tolerances.rowCount() > 0
     shown = ready.viewports[0].content.drawn.banded.lens_map
-    alone = run(Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance)))
+    alone = run(
+        Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance, samples=MAP_SAMPLES))
+    )
     np.testing.assert_array_equal(shown.values, alone.values)
 
 
@@ -121,7 +124,9 @@ def test_the_newest_of_many_moves_is_shown(ready, settle):
     settle(ready)
     bench = ready.document.workbench
     assert bench.active_wearer.wear.vertex_distance == 25.0
-    last = run(Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance)))
+    last = run(
+        Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance, samples=MAP_SAMPLES))
+    )
     np.testing.assert_array_equal(ready.viewports[0].content.drawn.banded.lens_map.values, last.values)
     ready.document.undo()
     assert not ready.document.undo_name
@@ -163,7 +168,7 @@ def test_two_lenses_flip_and_differ(ready, settle):
     bench = ready.document.workbench
     one, two = (entry.lens for entry in bench.lenses)
     assert (bench.panes[0].lens, bench.panes[0].minus) == (0, 1)
-    meant = difference(one, two, bench.active_wearer, MapLayer("mean_power", bench.distance))
+    meant = difference(one, two, bench.active_wearer, MapLayer("mean_power", bench.distance, samples=MAP_SAMPLES))
     np.testing.assert_array_equal(ready.viewports[0].content.drawn.banded.lens_map.values, meant.values)
     assert np.nanmean(meant.values) == pytest.approx(-8.0, abs=0.5)
 

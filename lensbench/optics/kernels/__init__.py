@@ -1,8 +1,9 @@
 """Numba kernels: no classes, arrays of rays in, arrays out; compiled once and cached on disk.
 
 The cache folder is named by a digest of these files, because numba does not notice an edit in the file of a callee.
-NUMBA_CACHE_DIR overrides it. OpenMP threads that wait for work give way, unless OMP_WAIT_POLICY says otherwise: where other
-programs are busy too, a thread that spins keeps its own partner from running, tens of milliseconds at a time.
+NUMBA_CACHE_DIR overrides it. OpenMP threads spin for some microseconds, from one kernel of a trace to the next, and then
+give way, unless OMP_WAIT_POLICY or GOMP_SPINCOUNT says otherwise: where other programs are busy too, a thread that spins on
+keeps its own partner from running, tens of milliseconds at a time.
 """
 
 import hashlib
@@ -20,7 +21,9 @@ def _cache_folder() -> str:
     return str(base / "lensbench" / f"kernels-{digest.hexdigest()[:16]}")
 
 
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+if "OMP_WAIT_POLICY" not in os.environ:
+    os.environ["OMP_WAIT_POLICY"] = "passive"
+    os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 _previous = config.CACHE_DIR
 config.CACHE_DIR = _previous or _cache_folder()
 from . import aim, outline, refract, surface, trace, voxels  # noqa: E402

@@ -218,11 +218,14 @@ def intersect(shape, x, y, z, dx, dy, dz):
 
 @nb.njit(
     nb.void(SHAPE, VECTOR, VECTOR, nb.float64[:, ::1]),
-    nogil=True, cache=True, parallel=True, error_model="numpy",
+    nogil=True, cache=True, error_model="numpy",
 )  # fmt: skip
 def sag_at(shape, x, y, out):
-    """Fill out (6, n) with f, fx, fy, fxx, fxy, fyy at the points x, y (n,); NaN outside the domain."""
-    for i in nb.prange(x.size):
+    """Fill out (6, n) with f, fx, fy, fxx, fxy, fyy at the points x, y (n,); NaN outside the domain.
+
+    On one thread: any thread may ask, also beside one that traces.
+    """
+    for i in range(x.size):
         if inside_domain(shape, x[i], y[i]):
             d = sag(shape, x[i], y[i])
             for k in range(6):
