@@ -54,7 +54,7 @@ class MapContent(Plot):
     def show_answer(self, answer: Drawn, bench: Workbench, pane: Pane) -> None:
         x0, x1, y0, y1 = answer.banded.lens.outline.box
         self.drawn, self._pane, self.box = answer, pane, (x0 - 1.5, x1 + 1.5, y0 - 1.5, y1 + 1.5)
-        self.update()
+        self.draw_again()
 
     @property
     def bands(self) -> Bands | None:

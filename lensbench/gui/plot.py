@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPolygonF
+from PySide6.QtCore import QEvent, QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPixmap, QPolygonF
 from PySide6.QtWidgets import QWidget
 
 from .content import Content
@@ -28,6 +28,7 @@ class Plot(Content):
         self.equal = self.flip = False
         self.margins = (56.0, 8.0, 14.0, 40.0)
         self.marked: tuple[float, float] | None = None
+        self._drawing: QPixmap | None = None
 
     # ---- places ----
 
@@ -60,12 +61,34 @@ class Plot(Content):
     # ---- painting ----
 
     def paintEvent(self, _: QPaintEvent) -> None:
+        if self._drawing is None or self._drawing.size() != self.size() * self.devicePixelRatioF():
+            self._drawing = self._drawn_anew()
         painter = QPainter(self)
-        painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
-        painter.fillRect(self.rect(), self.palette().color(QPalette.ColorRole.Base))
-        self.draw(painter)
+        painter.drawPixmap(0, 0, self._drawing)
         if self.marked is not None:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             self.draw_mark(painter, self.pixel(*self.marked))
+
+    def _drawn_anew(self) -> QPixmap:
+        """All but the mark, kept for as long as the data, the size and the theme stay."""
+        pixmap = QPixmap(self.size() * self.devicePixelRatioF())
+        pixmap.setDevicePixelRatio(self.devicePixelRatioF())
+        pixmap.fill(self.palette().color(QPalette.ColorRole.Base))
+        painter = QPainter(pixmap)
+        painter.setFont(self.font())
+        painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.SmoothPixmapTransform)
+        self.draw(painter)
+        painter.end()
+        return pixmap
+
+    def draw_again(self) -> None:
+        """The data have changed."""
+        self._drawing = None
+        self.update()
+
+    def changeEvent(self, event: QEvent) -> None:
+        super().changeEvent(event)
+        self.draw_again()
 
     def draw(self, painter: QPainter) -> None:
         """Paint the data."""
@@ -83,7 +106,10 @@ class Plot(Content):
 
     def polygon(self, points: np.ndarray) -> QPolygonF:
         """Places (n, 2) of the data as painted."""
-        return QPolygonF([self.pixel(x, y) for x, y in points.tolist()])
+        area, (x0, x1, y0, y1) = self.area(), self.box
+        u, v = (points[:, 0] - x0) / (x1 - x0), (points[:, 1] - y0) / (y1 - y0)
+        across = area.left() + (1 - u if self.flip else u) * area.width()
+        return QPolygonF(list(map(QPointF, across.tolist(), (area.bottom() - v * area.height()).tolist())))
 
     def ink(self, alpha: float = 1.0) -> QColor:
         """The theme's text colour."""

@@ -47,7 +47,7 @@ class ProfileContent(Plot):
         step = step_for(high - low + 0.2, 8)
         _, _, y0, y1 = answer[0][0].outline.box
         self.box = (step * np.floor(low / step - 0.1), step * np.ceil(high / step + 0.1), y0, y1)
-        self.update()
+        self.draw_again()
 
     def show_probe(self, probe: Probe | None) -> None:
         self.mark((0.0, probe.point[1]) if probe is not None and np.isfinite(probe.point).all() else None)
@@ -145,7 +145,7 @@ class DistortionContent(Plot):
         both = np.concatenate([answer.object.ravel(), answer.apparent.ravel()])
         reach = 1.04 * float(np.degrees(np.arctan(np.nanmax(np.abs(both)))))
         self.box = (-reach, reach, -reach, reach)
-        self.update()
+        self.draw_again()
 
     def show_probe(self, probe: Probe | None) -> None:
         known = probe is not None and np.isfinite(probe.direction).all() and probe.direction[2] > 0

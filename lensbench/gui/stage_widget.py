@@ -44,6 +44,7 @@ class StageWidget(QWidget):
         """Clear the stage and put something on it; the camera stays."""
         if self.stage is None:
             self.stage = stage((max(self.width(), 16), max(self.height(), 16)))
+        self.stage.suppress_rendering = True
         self.stage.clear_actors()
         put(self.stage)
         self._empty = ""
@@ -65,6 +66,7 @@ class StageWidget(QWidget):
             return
         ratio = self.devicePixelRatioF() * fineness
         size = max(16, round(self.width() * ratio)), max(16, round(self.height() * ratio))
+        self.stage.suppress_rendering = False
         self.stage.window_size = size
         pixels = np.ascontiguousarray(self.stage.screenshot(return_img=True)[..., :3])
         self._image = QImage(pixels.data, size[0], size[1], 3 * size[0], QImage.Format.Format_RGB888).copy()

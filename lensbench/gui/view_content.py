@@ -65,7 +65,6 @@ class ViewContent(Content):
             self._view = JitterPass(self._window, renderer, PASSES)
         self._window.SetSize(*answer.layer.size)
         self._view.show(answer)
-        self._one_pass()
         self._next.start()
 
     def show_probe(self, probe: Probe | None) -> None:

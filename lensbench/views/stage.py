@@ -19,12 +19,14 @@ def stage(size: tuple[int, int], background: str = "white") -> pv.Plotter:
     plotter = pv.Plotter(off_screen=True, window_size=[FINENESS * n for n in size], lighting="light kit")
     plotter.render_window.SetMultiSamples(0)
     plotter.set_background(background)
+    plotter.suppress_rendering = True  # else every mesh that is added draws the whole stage
     return plotter
 
 
 def snapshot(plotter: pv.Plotter) -> NDArray[np.uint8]:
     """The stage's picture (h, w, 3), averaged from its finer pixels; the stage is closed and its memory freed."""
     try:
+        plotter.suppress_rendering = False
         fine = plotter.screenshot(return_img=True)[..., :3]
     finally:
         plotter.close()
