@@ -4,11 +4,13 @@ from collections.abc import Callable
 from typing import Any
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QImage, QPainter
+from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
 from ..layers import Probe
 from ..session import Pane, Workbench
+
+MARK = QColor("#e6007e")  # of the probed gaze, in every viewport
 
 
 class Content(QWidget):

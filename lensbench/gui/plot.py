@@ -8,9 +8,7 @@ from PySide6.QtCore import QEvent, QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QPixmap, QPolygonF
 from PySide6.QtWidgets import QWidget
 
-from .content import Content
-
-MARK = QColor("#e6007e")
+from .content import MARK, Content
 
 
 class Plot(Content):

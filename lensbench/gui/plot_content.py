@@ -12,7 +12,8 @@ from ..optics.conventions import mean_power
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
-from .plot import MARK, Plot, step_for
+from .content import MARK
+from .plot import Plot, step_for
 from .scene_source import answer_with_scene
 
 MEAN, ASTIGMATISM, ORDERED = QColor("#2f6fb5"), QColor("#d9822b"), QColor("#8a4fa3")

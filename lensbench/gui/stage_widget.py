@@ -13,9 +13,7 @@ from PySide6.QtWidgets import QWidget
 from ..optics.conventions import Floats
 from ..views.lens3d import in_view
 from ..views.stage import FINENESS, stage
-from .content import say_nothing
-
-MARK = QColor("#d81b60")
+from .content import MARK, say_nothing
 
 
 class StageWidget(QWidget):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, QTimer
-from PySide6.QtGui import QColor, QHideEvent, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent, QShowEvent
+from PySide6.QtGui import QHideEvent, QImage, QMouseEvent, QPainter, QPaintEvent, QPen, QResizeEvent, QShowEvent
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
@@ -15,12 +15,11 @@ from ..layers import Probe, SeenScene, ViewLayer
 from ..session import Pane, Workbench
 from ..views.jitter import JitterPass
 from ..views.offscreen import require_gl
-from .content import Content, say_nothing
+from .content import MARK, Content, say_nothing
 from .scene_source import answer_with_scene
 
 PASSES, TURN = 48, 0.15  # degrees a pixel of dragging
 MOST_PIXELS = 420_000
-MARK = QColor("#d81b60")
 
 
 class ViewContent(Content):
