@@ -47,7 +47,8 @@ def rays_against_peers() -> list[Figure]:
 def _compared(
     name: str, lens: Lens, rays: tuple[np.ndarray, np.ndarray], peers: dict[str, Trace | None], target: float | None
 ) -> list[Figure]:
-    ours = partial(trace_rays, lens, lb.Wear(), *rays)
+    columns = (np.asfortranarray(a) for a in rays)  # each peer has its rays in its own order before the clock starts
+    ours = partial(trace_rays, lens, lb.Wear(), *columns)
     there = {peer: action for peer, action in peers.items() if action}
     seconds, *theirs = rounds(ours, *there.values(), count=5)
     figures = [Figure(f"{name}: ours, with the transfer matrix", RAYS / seconds / 1e6, "Mrays/s")]

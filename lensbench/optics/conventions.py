@@ -14,7 +14,6 @@ cylinders with 0 < axis <= 180 degrees. Myopia is a negative refraction.
 Frame across a ray: the world x and y carried by the minimal (Listing) rotation of +z onto the ray.
 """
 
-from dataclasses import fields
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -132,9 +131,9 @@ class ReadOnlyArrays:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for entry in fields(self):  # type: ignore[arg-type]
-            value = getattr(self, entry.name)
+        for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
+            value = getattr(self, name)
             if isinstance(value, np.ndarray):
                 view = value.view()
-                view.setflags(write=False)
-                object.__setattr__(self, entry.name, view)
+                view.flags.writeable = False
+                object.__setattr__(self, name, view)

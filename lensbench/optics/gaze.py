@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import kernels
+from .buffers import uninitialised
 from .conventions import Floats, Status, listing_frame, unit
 from .eye import Wear, Wearer
 from .field import GazeField
@@ -123,21 +124,23 @@ def trace_rays(lens: Lens, wear: Wear, start: ArrayLike, direction: ArrayLike) -
 def _rows(count: int, n: int) -> Floats:
     """Uninitialised rows (count, >= n), of a width at which they do not fall on the same lines of the processor's cache."""
     width = -(-n // 8) * 8
-    return np.empty((count, width + 8 if width % 64 == 0 else width))
+    width = width + 8 if width % 64 == 0 else width
+    return uninitialised(count * width).reshape(count, width)
 
 
 def _through(lens: Lens, wear: Wear, rays: Floats, n: int, within_outline: bool) -> tuple[Floats, NDArray[np.int8]]:
     """The first n of the rays (6, >= n) through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
     out, status = _rows(28, n), np.empty(n, dtype=np.int8)
     worn, outline = _worn(lens, wear)
-    back, front, _ = worn
-    for first in range(0, n, CHUNK):
-        at_back, at_front = np.empty((2, 9, min(CHUNK, n - first)))
-        _kernel(lens.back)(back, 1.0, lens.index, rays, out[:6], at_back, first)
-        _kernel(lens.front)(front, lens.index, 1.0, out[:6], out[6:12], at_front, first)
-        kernels.trace.compose(at_back, at_front, lens.index, first, out)
     outline = outline if within_outline else ENDLESS
-    kernels.trace.finish(worn, lens.index, outline, rays, out, status)
+    back, front = _kernel(lens.back, second=False), _kernel(lens.front, second=True)
+    inside, outside, upper, lower = out[:6], out[6:12], out[12:20], out[20:]
+    for first in range(0, n, CHUNK):
+        count = min(CHUNK, n - first)
+        bends = np.empty((9, count))
+        back(worn[0], 1.0, lens.index, rays, inside, None, bends, None, first, count)
+        front(worn[1], lens.index, 1.0, inside, outside, bends, upper, lower, first, count)
+        kernels.trace.finish(worn, lens.index, outline, rays, first, count, out, status)
     return out, status
 
 
@@ -154,8 +157,9 @@ def _posed(surface: Surface, pose: WornPose, height: float) -> tuple[Any, ...]:
     return *surface.shape_arrays(), np.concatenate([(pose.rotation @ surface.rotation).ravel(), vertex])
 
 
-def _kernel(surface: Surface) -> Callable[..., None]:
-    """The vectorised kernel for a surface."""
+@lru_cache(maxsize=32)
+def _kernel(surface: Surface, second: bool) -> Callable[..., None]:
+    """The vectorised kernel for a surface, the first or the second that a ray meets, to be called without the bins."""
     refract = kernels.refract
     if surface.kind == kernels.surface.SPLINE:
         kind = refract.bicubics if surface.cells.shape[2] == 4 else refract.biquintics
@@ -163,7 +167,9 @@ def _kernel(surface: Surface) -> Callable[..., None]:
         kind = refract.conics if surface.p[1:].any() else refract.spheres
     else:
         kind = refract.torics if surface.kind == kernels.surface.TORIC else refract.biconics
-    return kernels.surface.compiled(kind, refract.SIGNATURE)
+    bins = (None, None) if surface.even else (surface.bins_x, surface.bins_y)
+    kernel = kernels.surface.compiled(kind, refract.signature(surface.even, second))
+    return lambda posed, *rest: kernel(posed, *bins, *rest)
 
 
 def _traced_rays(out: Floats, status: NDArray[np.int8]) -> TracedRays:
@@ -198,9 +204,8 @@ def _chief_rays(wearer: Wearer, gaze: Floats) -> Floats:
     """The rays (6, >= n) that leave the centre of the entrance pupil at gazes (3, n)."""
     n = gaze.shape[1]
     rays = _rows(6, n)
+    np.add(gaze * wearer.eye.pupil_from_rotation, wearer.centre_of_rotation[:, None], out=rays[:3, :n])
     rays[3:, :n] = gaze
-    np.multiply(gaze, wearer.eye.pupil_from_rotation, out=rays[:3, :n])
-    rays[:3, :n] += wearer.centre_of_rotation[:, None]
     return rays
 
 

@@ -20,6 +20,7 @@ _NO_BREAKS = np.zeros(2)
 _NO_BINS = np.zeros(1, dtype=np.int32)
 _NO_CELLS = np.zeros((1, 1, 4, 4))
 MOST_BINS = 100_000
+SAME_WIDTH = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,6 +42,12 @@ class Surface(ReadOnlyArrays):
     decentration: tuple[float, float] = (0.0, 0.0)
     tilt: tuple[float, float] = (0.0, 0.0)
     note: str = ""
+
+    @property
+    def even(self) -> bool:
+        """Whether all cells are equally wide, or there are none."""
+        widths = np.diff(self.breaks_x), np.diff(self.breaks_y)
+        return all(np.ptp(w) <= SAME_WIDTH * abs(w[0]) for w in widths)
 
     @property
     def rotation(self) -> Floats:
@@ -189,18 +196,29 @@ def bins_of(breaks: Floats) -> NDArray[np.int32]:
 
 
 def _local_powers(knots: ArrayLike, degree: int) -> tuple[Floats, NDArray[np.intp], Floats]:
-    """Breakpoints (k + 1,); of each cell the basis functions (k, degree + 1) and their Taylor coefficients at its left end.
+    """Breakpoints (k + 1,); of each cell the basis functions (k, degree + 1) and their Taylor coefficients in its middle.
 
     The coefficients have shape (k, degree + 1, 4 or 6).
     """
     t = np.asarray(knots, dtype=float)
     basis = BSpline(t, np.eye(t.size - degree - 1), degree)
-    breaks = np.unique(t[degree : t.size - degree])
-    of = np.searchsorted(t, breaks[:-1], side="right")[:, None] - 1 - degree + np.arange(degree + 1)
+    breaks = _evenly(np.unique(t[degree : t.size - degree]))
+    middle = (breaks[:-1] + breaks[1:]) / 2
+    of = np.searchsorted(t, middle)[:, None] - 1 - degree + np.arange(degree + 1)
     powers = np.zeros((*of.shape, 4 if degree <= 3 else 6))
     for m in range(degree + 1):
-        powers[:, :, m] = np.take_along_axis(basis(breaks[:-1], nu=m), of, axis=1) / factorial(m)
+        powers[:, :, m] = np.take_along_axis(basis(middle, nu=m), of, axis=1) / factorial(m)
     return breaks, of, powers
+
+
+def _evenly(breaks: Floats) -> Floats:
+    """The breakpoints (k + 1,), with more of them between where that makes all cells equally wide, at most twice as many."""
+    widths = np.diff(breaks)
+    ends = np.rint(widths / widths.min()).astype(int).cumsum()
+    even = np.linspace(breaks[0], breaks[-1], ends[-1] + 1)
+    if ends[-1] > 2 * widths.size or np.abs(even[ends] - breaks[1:]).max() > SAME_WIDTH * (breaks[-1] - breaks[0]):
+        return breaks
+    return even
 
 
 def fitted_grid(x: ArrayLike, y: ArrayLike, sag: ArrayLike, rounding_step: float, **pose: Any) -> Surface:

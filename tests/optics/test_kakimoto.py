@@ -40,8 +40,8 @@ def test_table_1_has_the_blur_on_the_retina(worn, amplitude):
     for plane, mine in zip(PLANES, by_table_1(field), strict=True):
         distance = distance_to_plane(field, plane)
         theirs, ours = ellipse(mine), ellipse(field.retinal_blur(distance) * (distance + ways)[:, None, None])
-        assert theirs.semi_major == pytest.approx(ours.semi_major, rel=1e-8, abs=1e-8)
-        assert theirs.semi_minor == pytest.approx(ours.semi_minor, rel=1e-8, abs=1e-8)
+        assert theirs.semi_major == pytest.approx(ours.semi_major, rel=5e-8, abs=5e-8)
+        assert theirs.semi_minor == pytest.approx(ours.semi_minor, rel=5e-8, abs=5e-8)
 
 
 def test_table_2_is_the_blur_where_wave_and_spread_share_their_axes(lens_of):

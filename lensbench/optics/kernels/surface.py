@@ -2,7 +2,7 @@
 
 A surface is its kind (int) and plain arrays: p (8 parameters), breaks_x and breaks_y (breakpoints of the spline cells,
 mm), bins_x and bins_y (cell at the lower end of each of equal bins between the first and the last breakpoint) and cells
-(ny, nx, k, k), k = 4 up to degree 3 and 6 above: cells[j, i, b, a] multiplies (y - breaks_y[j])^b (x - breaks_x[i])^a.
+(ny, nx, k, k), k = 4 up to degree 3 and 6 above: cells[j, i, b, a] multiplies t^b s^a with (s, t) from the cell's middle.
 Parameters p by kind, curvatures in 1/mm, positive with the centre of curvature on the eye's side (depth = -sag):
     CONIC    c, k, a4, a6, a8, a10, a12, a14 : depth = c q / (1 + sqrt(1 - (1+k) c^2 q)) + a4 q^2 + ...,  q = x^2 + y^2
     TORIC    ca, cb, cos, sin : arc of curvature ca along the axis meridian, turned about a line at the radius 1/cb
@@ -34,7 +34,8 @@ kernel = nb.njit(nogil=True, cache=True, parallel=True, error_model="numpy", fas
 
 def compiled(lazy, signature):
     """A kernel without a signature of its own, compiled when it is first needed: few runs need all of them."""
-    if not lazy.overloads:
+    if signature.args not in lazy.overloads:
+        lazy.disable_compile(False)
         lazy.compile(signature)
         lazy.disable_compile()
     return lazy
@@ -52,9 +53,10 @@ def conic(p, x, y):
     c, k, a4, a6, a8, a10, a12, a14 = p
     q = x * x + y * y
     root = math.sqrt(1 - (1 + k) * c * c * q)
+    steeper = 1 / root
     depth = c * q / (1 + root) + q * q * (a4 + q * (a6 + q * (a8 + q * (a10 + q * (a12 + q * a14)))))
-    first = c / (2 * root) + q * (2 * a4 + q * (3 * a6 + q * (4 * a8 + q * (5 * a10 + q * (6 * a12 + q * 7 * a14)))))
-    second = (1 + k) * c * c * c / (4 * root * root * root)
+    first = c / 2 * steeper + q * (2 * a4 + q * (3 * a6 + q * (4 * a8 + q * (5 * a10 + q * (6 * a12 + q * 7 * a14)))))
+    second = (1 + k) * c * c * c / 4 * steeper * steeper * steeper
     second += 2 * a4 + q * (6 * a6 + q * (12 * a8 + q * (20 * a10 + q * (30 * a12 + q * 42 * a14))))
     straight = -2 * first
     return (
@@ -82,12 +84,14 @@ def toric(p, x, y):
     ca, cb = p[0], p[1]
     u, v = p[2] * x + p[3] * y, p[2] * y - p[3] * x
     root = math.sqrt(1 - ca * ca * u * u)
-    g, g1, g2 = ca * u * u / (1 + root), ca * u / root, ca / (root * root * root)
+    steeper, g = 1 / root, ca * u * u / (1 + root)
+    g1, g2 = ca * u * steeper, ca * steeper * steeper * steeper
     w = 1 - cb * g
     r = math.sqrt(w * w - cb * cb * v * v)
-    du, dv = w * g1 / r, cb * v / r
-    duu = (w * g2 - cb * g1 * g1 + cb * du * du) / r
-    duv, dvv = cb * du * dv / r, cb * (1 + dv * dv) / r
+    k = 1 / r
+    du, dv = w * g1 * k, cb * v * k
+    duu = (w * g2 - cb * g1 * g1 + cb * du * du) * k
+    duv, dvv = cb * du * dv * k, cb * (1 + dv * dv) * k
     fx, fy, fxx, fxy, fyy = turned(p[2], p[3], -du, -dv, -duu, -duv, -dvv)
     return -(g + cb * v * v / (w + r)), fx, fy, fxx, fxy, fyy
 
@@ -99,8 +103,9 @@ def biconic(p, x, y):
     u, v = p[2] * x + p[3] * y, p[2] * y - p[3] * x
     ea, eb = (1 + p[4]) * ca * ca, (1 + p[5]) * cb * cb
     root = math.sqrt(1 - ea * u * u - eb * v * v)
-    ru, rv = -ea * u / root, -eb * v / root
-    ruu, ruv, rvv = -(ea + ru * ru) / root, -ru * rv / root, -(eb + rv * rv) / root
+    k = 1 / root
+    ru, rv = -ea * u * k, -eb * v * k
+    ruu, ruv, rvv = -(ea + ru * ru) * k, -ru * rv * k, -(eb + rv * rv) * k
     h = 1 / (1 + root)
     depth = (ca * u * u + cb * v * v) * h
     du, dv = (2 * ca * u - depth * ru) * h, (2 * cb * v - depth * rv) * h
@@ -115,6 +120,12 @@ def biconic(p, x, y):
 def bin_of(breaks, count, x):
     """Index of the bin of x; the first or last bin outside the breakpoints."""
     return min(max(int((x - breaks[0]) * (count / (breaks[-1] - breaks[0]))), 0), count - 1)
+
+
+@inline
+def middle(breaks, cell):
+    """The middle of a cell, from which its polynomials count."""
+    return 0.5 * (breaks[cell] + breaks[cell + 1])
 
 
 @called
@@ -132,7 +143,7 @@ def find_cell(breaks, bins, x):
 def spline(breaks_x, breaks_y, bins_x, bins_y, cells, x, y):
     """Tensor spline in its local polynomials: (f, fx, fy, fxx, fxy, fyy) of the sag."""
     i, j = find_cell(breaks_x, bins_x, x), find_cell(breaks_y, bins_y, y)
-    s, t = x - breaks_x[i], y - breaks_y[j]
+    s, t = x - middle(breaks_x, i), y - middle(breaks_y, j)
     f = fx = fxx = fy = fxy = fyy = 0.0
     for b in range(cells.shape[2] - 1, -1, -1):
         c, cx, cxx = 0.0, 0.0, 0.0
