@@ -5,6 +5,7 @@ restores, and opens and closes windows, in an order drawn from a seed.
 """
 
 import argparse
+import gc
 import random
 import sys
 import tempfile
@@ -152,10 +153,15 @@ class Soak:
         self.open_window()
 
     def close_window(self) -> None:
+        from PySide6.QtCore import QEvent
+
         self.window.document.saved()
         self.window.close()
         self.window.deleteLater()
+        self.app.sendPostedEvents(None, QEvent.Type.DeferredDelete)  # which processEvents leaves to a loop of exec's
+        del self.window
         self.pump(0.1)
+        gc.collect()
 
 
 WEIGHTS = {"slider": 8, "hover": 8, "drag": 8, "view": 5, "tiles": 2, "open": 2, "flip": 2, "undo": 3, "scene": 1}

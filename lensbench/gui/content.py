@@ -21,6 +21,7 @@ class Content(QWidget):
 
     pointed = Signal(object, object)
     wants_edit = Signal(str, object, str)
+    haste: Callable[[], float] = staticmethod(lambda: 0.0)  # as Lane.haste
 
     def question(self, bench: Workbench, pane: Pane) -> tuple[tuple[Any, ...], Callable[[], Any]] | None:
         """What the answer depends on, and how it is found (in the lane); None when there is nothing to show."""

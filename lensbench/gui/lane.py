@@ -1,7 +1,10 @@
-"""The one compute thread: the newest question of each asker is answered, an older one is dropped."""
+"""The one compute thread: of what each asker still waits for, only the newest question is answered."""
 
+import math
 import os
+import sys
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -9,12 +12,15 @@ from PySide6.QtCore import QObject, Signal
 
 from ..errors import LensBenchError
 
-NICENESS = 10
+NICENESS = 19
+SLICE = 5e-4  # s: for how long this thread keeps Python from the window's
+MOMENT, PATIENCE = 0.02, 0.15  # s
 
 
 class Lane(QObject):
     """Answers questions one after the other in a thread of its own, which is niced before its first parallel kernel (OpenMP
-    threads inherit it). Askers are named; while one waits or is being answered, a newer question of his takes its place.
+    threads inherit it). Askers are named; while one waits, a newer question of his takes the place of the older one. One that
+    is in hand is answered all the same, so that pictures follow a hand that does not rest.
 
     answered(asker, answer); failed(asker, sentence); idle(): nothing is left to do.
     """
@@ -27,20 +33,22 @@ class Lane(QObject):
     def __init__(self) -> None:
         super().__init__()
         self._waiting: dict[str, tuple[int, Callable[[], Any]]] = {}
-        self._newest: dict[str, int] = {}
+        self._count, self._dropped = 0, 0
+        self._deaf: dict[str, int] = {}
         self._running = 0
         self._wake = threading.Condition()
         self._open = True
+        self._delivered = 0.0
         self._done.connect(self._deliver)
+        sys.setswitchinterval(SLICE)
         self._thread = threading.Thread(target=self._work, name="lane", daemon=True)
         self._thread.start()
 
     def ask(self, asker: str, question: Callable[[], Any], first: bool = False) -> None:
-        """Answer this question instead of any older one of the same asker; first: before those of all others."""
+        """Answer this question instead of any older one that the same asker waits for; first: before those of all others."""
         with self._wake:
-            generation = self._newest[asker] = self._newest.get(asker, 0) + 1
-            self._waiting.pop(asker, None)
-            self._waiting[asker] = generation, question
+            self._count += 1
+            self._waiting[asker] = self._count, question
             if first:
                 self._waiting = {asker: self._waiting.pop(asker), **self._waiting}
             self._wake.notify()
@@ -48,15 +56,27 @@ class Lane(QObject):
     def drop(self, asker: str | None = None) -> None:
         """Answer nothing more to this asker (None: to all) of what was asked so far."""
         with self._wake:
-            for name in [asker] if asker is not None else list(self._newest):
-                self._newest[name] = self._newest.get(name, 0) + 1
-                self._waiting.pop(name, None)
+            if asker is None:
+                self._waiting.clear()
+                self._dropped = self._count
+            else:
+                self._waiting.pop(asker, None)
+                self._deaf[asker] = self._count
 
     @property
     def busy(self) -> bool:
         """Whether something waits or is being answered."""
         with self._wake:
             return bool(self._waiting or self._running)
+
+    @property
+    def haste(self) -> float:
+        """For how long after the last one (s) a refinement should stand back: while somebody waits, and above all while what
+        was just answered is being drawn.
+        """
+        if time.monotonic() - self._delivered < MOMENT:
+            return math.inf
+        return PATIENCE if self.busy else 0.0
 
     def close(self) -> None:
         """Answer nothing more, and wait for the question in hand."""
@@ -75,24 +95,25 @@ class Lane(QObject):
                 if not self._open:
                     return
                 asker = next(iter(self._waiting))
-                generation, question = self._waiting.pop(asker)
+                number, question = self._waiting.pop(asker)
                 self._running += 1
             answer, error = None, None
             try:
                 answer = question()
             except Exception as found:
                 error = found
-            self._done.emit(asker, generation, answer, error)
+            self._done.emit(asker, number, answer, error)
 
-    def _deliver(self, asker: str, generation: int, answer: Any, error: Exception | None) -> None:
+    def _deliver(self, asker: str, number: int, answer: Any, error: Exception | None) -> None:
         with self._wake:
             self._running -= 1
-            late = self._newest.get(asker) != generation
-        if not late:
+            dropped = number <= max(self._dropped, self._deaf.get(asker, 0))
+        if not dropped:
             if error is None:
                 self.answered.emit(asker, answer)
             else:
                 self.failed.emit(asker, sentence(error))
+        self._delivered = time.monotonic()
         if not self.busy:
             self.idle.emit()
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QVBoxLayout
+from pyvista import Actor
 
 from ..layers import EllipseLayer, EllipseSheet, Probe
 from ..optics.eye import Wearer
@@ -15,7 +16,7 @@ from ..optics.lens import Lens
 from ..session import Pane, Workbench
 from ..views.bands import Bands
 from ..views.ellipses import draw_ellipses, ellipse_bands, fitting_exaggeration, look_along
-from ..views.lens3d import LensMesh, draw_lens, lens_mesh, look_at_lens
+from ..views.lens3d import LensMesh, lens_actors, lens_mesh, look_at_lens
 from .colour_bar import ColourBar
 from .content import Content
 from .map_source import BandedMap, map_question
@@ -38,6 +39,7 @@ class SpaceContent(Content):
         layout.addWidget(self.stage, 1)
         layout.addWidget(self.bar)
         self.stage.turned.connect(self.camera_moved)
+        self.stage.haste = lambda: self.haste()
 
     @property
     def bands(self) -> Bands | None:
@@ -62,15 +64,16 @@ class LensContent(SpaceContent):
         if question is None:
             return None
         key, found = question
-        return key, partial(_with_mesh, found, bench.active_wearer)
+        return key, partial(_in_space, found, bench.active_wearer)
 
-    def show_answer(self, answer: tuple[BandedMap, LensMesh], bench: Workbench, pane: Pane) -> None:
-        (lens, lens_map, bands, _), mesh = answer
+    def show_answer(self, answer: tuple[BandedMap, LensMesh, list[Actor]], bench: Workbench, pane: Pane) -> None:
+        (lens, lens_map, bands, _), mesh, actors = answer
         wearer = bench.active_wearer
         self._lens = lens, wearer, mesh
 
         def put(plotter: Any) -> None:
-            draw_lens(plotter, lens, wearer, mesh, (lens_map, bands))
+            for actor in actors:
+                plotter.add_actor(actor, reset_camera=False)
             if self._looked != (lens.side, lens.outline):
                 self._looked = lens.side, lens.outline
                 look_at_lens(plotter, mesh, lens.side)
@@ -103,9 +106,10 @@ class LensContent(SpaceContent):
             self.pointed.emit((float(x), float(y)), None)
 
 
-def _with_mesh(found: Callable[[], BandedMap], wearer: Wearer) -> tuple[BandedMap, LensMesh]:
+def _in_space(found: Callable[[], BandedMap], wearer: Wearer) -> tuple[BandedMap, LensMesh, list[Actor]]:
     banded = found()
-    return banded, lens_mesh(banded.lens, worn_pose(banded.lens, wearer.wear), RINGS, AROUND)
+    mesh = lens_mesh(banded.lens, worn_pose(banded.lens, wearer.wear), RINGS, AROUND)
+    return banded, mesh, lens_actors(banded.lens, wearer, mesh, (banded.lens_map, banded.bands))
 
 
 class EllipsesContent(SpaceContent):

@@ -28,6 +28,7 @@ class StageWidget(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.stage: Any = None
+        self.haste: Callable[[], float] = lambda: 0.0  # as Lane.haste
         self.mark: Floats | None = None
         self.words: list[tuple[Floats, str]] = []
         self.setMouseTracking(True)
@@ -36,7 +37,7 @@ class StageWidget(QWidget):
         self._last: QPointF | None = None
         self._empty = ""
         self._rest = QTimer(self, singleShot=True, interval=160)
-        self._rest.timeout.connect(lambda: self.render_stage(FINENESS))
+        self._rest.timeout.connect(self._refine)
 
     def draw(self, put: Callable[[Any], None]) -> None:
         """Clear the stage and put something on it; the camera stays."""
@@ -57,6 +58,12 @@ class StageWidget(QWidget):
         """Draw coarsely now and finely when all rests."""
         self.render_stage(1)
         self._rest.start()
+
+    def _refine(self) -> None:
+        if self.haste():
+            self._rest.start()
+        else:
+            self.render_stage(FINENESS)
 
     def render_stage(self, fineness: int) -> None:
         """Draw the stage with so many pixels a pixel."""

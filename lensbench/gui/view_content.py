@@ -1,5 +1,6 @@
 """The simulated view in its viewport: every pass is shown as it comes. Drag: turn the head; with Ctrl: the eye."""
 
+import time
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -34,6 +35,7 @@ class ViewContent(Content):
         self._window: Any = None
         self._pixels = vtkUnsignedCharArray()
         self._image = QImage()
+        self._drawn = 0.0
         self._last: QPointF | None = None
         self._probe: Probe | None = None
         self._next = QTimer(self, interval=0)
@@ -96,11 +98,16 @@ class ViewContent(Content):
         if self._view is None or self._view.done:
             self._next.stop()
             return
+        if time.monotonic() - self._drawn < self.haste():
+            self._next.setInterval(5)
+            return
+        self._next.setInterval(0)
         self._window.Render()
         width, height = self._window.GetSize()
         self._window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, self._pixels)
         pixels = np.ascontiguousarray(vtk_to_numpy(self._pixels).reshape(height, width, 4)[::-1])
         self._image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888).copy()
+        self._drawn = time.monotonic()
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:

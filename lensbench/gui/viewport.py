@@ -1,5 +1,6 @@
 """A viewport: a header that says and chooses what is shown, and the content, asked of the lane when what it shows changed."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -62,7 +63,6 @@ class Viewport(QFrame):
         self.content: Content | None = None
         self.answered = False
         self._asked: tuple[Any, ...] | None = None
-        self._pending: tuple[Any, ...] = ()
         self._own_actions: list[QAction] = []
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self._build_header()
@@ -176,9 +176,9 @@ class Viewport(QFrame):
         key, found = question
         if key == self._asked:
             return
-        self._asked, self._pending = key, (new, pane)
+        self._asked = key
         self._mark_stale(True)
-        self.lane.ask(self.asker, found)
+        self.lane.ask(self.asker, partial(_with_question, found, (self.content, key, new, pane)))
 
     def show_probe(self, probe: Probe | None) -> None:
         """Mark a gaze."""
@@ -209,6 +209,7 @@ class Viewport(QFrame):
         self._stack.addWidget(content)
         content.pointed.connect(self.pointed)
         content.wants_edit.connect(self._edit)
+        content.haste = lambda: self.lane.haste
         if isinstance(content, SpaceContent):
             content.camera_moved.connect(lambda: self.turned.emit(self.k))
 
@@ -223,11 +224,14 @@ class Viewport(QFrame):
             self.document.rest()
 
     def _answered(self, asker: str, answer: Any) -> None:
-        if asker != self.asker or self.content is None:
+        if asker != self.asker:
             return
-        self._mark_stale(False)
+        (content, key, bench, pane), found = answer
+        if content is not self.content:
+            return
+        self._mark_stale(key != self._asked)
         try:
-            self.content.show_answer(answer, *self._pending)
+            content.show_answer(found, bench, pane)
             self.answered = True
         except Exception as error:
             self._failed(asker, str(error))
@@ -241,6 +245,11 @@ class Viewport(QFrame):
     def _mark_stale(self, stale: bool) -> None:
         self.state.setText("<span style='color:#d98200'>● updating</span>" if stale else "")
         self.state.setToolTip("The picture is older than the settings; the new one is being computed" if stale else "")
+
+
+def _with_question(found: Callable[[], Any], question: tuple[Any, ...]) -> tuple[tuple[Any, ...], Any]:
+    """An answer with what it answers."""
+    return question, found()
 
 
 def grid(viewports: list[Viewport], split: int) -> QWidget:

@@ -1,7 +1,7 @@
 """The worn lens in space, with a map on its front surface."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyvista as pv
@@ -84,7 +84,8 @@ def map_on_lens(
     bands = map_bands(lens, lens_map, step, limits)
     room = size[0] - 100, size[1] - 100
     plotter = stage(room)
-    draw_lens(plotter, lens, wearer, mesh, (lens_map, bands))
+    for actor in lens_actors(lens, wearer, mesh, (lens_map, bands)):
+        plotter.add_actor(actor, reset_camera=False)
     look_at_lens(plotter, mesh, lens.side)
     figure = maps.blank_figure(size[0] / 100, size[1] / 100)
     _name_sides(figure, plotter, mesh, lens.side, room)
@@ -98,24 +99,30 @@ def map_on_lens(
     return maps.figure_array(figure)
 
 
-def draw_lens(plotter: pv.Plotter, lens: Lens, wearer: Wearer, mesh: LensMesh, layer: tuple[LensMap, Bands]) -> None:
-    """Put a worn lens on a stage: its body, a map with its bands on it, and its reference marks."""
-    _add_body(plotter, mesh)
-    _add_map(plotter, mesh, *layer)
-    pose = worn_pose(lens, wearer.wear)
-    for name, point in lens.points.named().items():
-        _add_mark(plotter, lens, pose, name, point)
+def lens_actors(lens: Lens, wearer: Wearer, mesh: LensMesh, layer: tuple[LensMap, Bands]) -> list[pv.Actor]:
+    """A worn lens for a stage: its body, a map with its bands on it, and its reference marks. Any thread may make them."""
+    return [*_body(mesh), *_map(mesh, *layer), *_marks(lens, worn_pose(lens, wearer.wear))]
 
 
-def _add_body(plotter: pv.Plotter, mesh: LensMesh) -> None:
-    plotter.add_mesh(mesh.back, color="#b9c3cb", opacity=0.6, **_LIGHT)
-    plotter.add_mesh(mesh.edge, color="#c9d2d9", **_LIGHT)
+def _actor(mesh: pv.PolyData, **look: Any) -> pv.Actor:
+    return pv.Actor(pv.DataSetMapper(mesh), pv.Property(**look))
+
+
+def _line(mesh: pv.PolyData, colour: Any, width: float) -> pv.Actor:
+    return _actor(mesh, color=colour, line_width=width * FINENESS, lighting=False)
+
+
+def _body(mesh: LensMesh) -> list[pv.Actor]:
     half = mesh.edge.n_points // 2
-    for rim in (mesh.edge.points[:half], mesh.edge.points[half:]):
-        plotter.add_mesh(pv.lines_from_points(rim, close=True), color="#39424a", line_width=1.2 * FINENESS)
+    rims = [pv.lines_from_points(rim, close=True) for rim in (mesh.edge.points[:half], mesh.edge.points[half:])]
+    return [
+        _actor(mesh.back, color="#b9c3cb", opacity=0.6, **_LIGHT),
+        _actor(mesh.edge, color="#c9d2d9", **_LIGHT),
+        *(_line(rim, "#39424a", 1.2) for rim in rims),
+    ]
 
 
-def _add_map(plotter: pv.Plotter, mesh: LensMesh, lens_map: LensMap, bands: Bands) -> None:
+def _map(mesh: LensMesh, lens_map: LensMap, bands: Bands) -> list[pv.Actor]:
     """The front surface in exact bands, bare where the map has no value, with isolines 0.05 mm before it."""
     rank = bands.rank(_sampled(lens_map, bands, mesh.points))
     covered = [np.isfinite(rank)[f].all(axis=1) for f in mesh.faces]
@@ -123,19 +130,27 @@ def _add_map(plotter: pv.Plotter, mesh: LensMesh, lens_map: LensMap, bands: Band
         _polygons(mesh.front.points, [f[c == wanted] for f, c in zip(mesh.faces, covered, strict=True)])
         for wanted in (False, True)
     )
-    if bare.n_cells:
-        plotter.add_mesh(bare, color="#e3e8ec", **_LIGHT)
+    found = [_actor(bare, color="#e3e8ec", **_LIGHT)] if bare.n_cells else []
     if not layer.n_cells:
-        return
-    table = pv.LookupTable(values=opaque_bytes(bands.colours), scalar_range=(0, len(bands.colours)))
+        return found
     if bands.cyclic:
         middles = np.concatenate([mesh.points[f[c]].mean(axis=1) for f, c in zip(mesh.faces, covered, strict=True)])
         layer.cell_data["rank"] = bands.rank(_sampled(lens_map, bands, middles))
     else:
         layer.point_data["rank"] = np.nan_to_num(rank)
-    plotter.add_mesh(layer, scalars="rank", cmap=table, show_scalar_bar=False, **_LIGHT)
-    if not (bands.cyclic or bands.constant):
-        _add_isolines(plotter, layer, bands)
+    found.append(_banded(layer, bands))
+    return found if bands.cyclic or bands.constant else [*found, *_isolines(layer, bands)]
+
+
+def _banded(layer: pv.PolyData, bands: Bands) -> pv.Actor:
+    """A mesh with its "rank" in the colours of the bands."""
+    actor = _actor(layer, **_LIGHT)
+    actor.mapper.lookup_table = pv.LookupTable(values=opaque_bytes(bands.colours), scalar_range=(0, len(bands.colours)))
+    actor.mapper.scalar_range = 0, len(bands.colours)
+    actor.mapper.scalar_map_mode = "cell_field" if bands.cyclic else "point_field"
+    actor.mapper.array_name = "rank"
+    actor.mapper.interpolate_before_map = True
+    return actor
 
 
 def _sampled(lens_map: LensMap, bands: Bands, points: Floats) -> Floats:
@@ -150,30 +165,44 @@ def opaque_bytes(colours: Floats) -> NDArray[np.uint8]:
     return np.round(np.insert(colours, 3, 1.0, axis=1) * 255).astype(np.uint8)
 
 
-def _add_isolines(plotter: pv.Plotter, layer: pv.PolyData, bands: Bands) -> None:
+def _isolines(layer: pv.PolyData, bands: Bands) -> list[pv.Actor]:
     ranks, looks = bands.rank(bands.shifted), list(zip(bands.weight, bands.line_colours(), strict=True))
+    found = []
     for weight, colour in set(looks):
         levels = [r for r, look in zip(ranks, looks, strict=True) if look == (weight, colour) and r > 0]
         lines = layer.contour(levels, scalars="rank") if levels else pv.PolyData()
         if lines.n_points:
             lines.points += 0.05 * lines["Normals"]
-            plotter.add_mesh(lines, color=colour, line_width=(0.7, 1.3, 2.2)[weight] * FINENESS, lighting=False)
+            lines.clear_data()
+            found.append(_line(lines, colour, (0.7, 1.3, 2.2)[weight]))
+    return found
 
 
-def _add_mark(plotter: pv.Plotter, lens: Lens, pose: WornPose, name: str, point: tuple[float, float]) -> None:
-    """A reference mark on the front surface: a cross, a dot or a ring (1.3 mm in radius for far, 0.9 mm for near)."""
+def _marks(lens: Lens, pose: WornPose) -> list[pv.Actor]:
+    """The reference marks on the front surface, dark upon white."""
+    marks = [(name, point) for name, point in lens.points.named().items()]
+    found = []
+    for colour, width, height in (("white", 5.5, 0.12), (INK, 2.2, 0.2)):
+        lines = [_mark(lens, pose, *shape, height) for mark in marks for shape in _shapes(*mark)]
+        there = [pv.lines_from_points(line) for line in lines if np.isfinite(line).all()]
+        if there:
+            found.append(_line(pv.merge(there), colour, width))
+    return found
+
+
+def _shapes(name: str, point: tuple[float, float]) -> list[tuple[Floats, Floats]]:
+    """The lines x, y (n,) of a mark: a cross, a dot or a ring (1.3 mm in radius for far, 0.9 mm for near)."""
     turn = np.linspace(0, 2 * np.pi, 37)
     radius = {"distance_reference_point": 1.3, "near_reference_point": 0.9}.get(name, 0.2)
-    shapes = [radius * np.stack([np.cos(turn), np.sin(turn)], axis=-1)]
+    shapes = [(radius * np.cos(turn), radius * np.sin(turn))]
     if name == "fitting_point":
         arm = np.linspace(-1.8, 1.8, 13)
-        shapes = [np.stack([arm, 0 * arm], axis=-1), np.stack([0 * arm, arm], axis=-1)]
-    for colour, width, height in (("white", 5.5, 0.12), (INK, 2.2, 0.2)):
-        for shape in shapes:
-            x, y = (shape + point).T
-            line = pose.to_wear(np.column_stack([x, y, lens.front_height(x, y) + height]))
-            if np.isfinite(line).all():
-                plotter.add_mesh(pv.lines_from_points(line), color=colour, line_width=width * FINENESS, lighting=False)
+        shapes = [(arm, 0 * arm), (0 * arm, arm)]
+    return [(x + point[0], y + point[1]) for x, y in shapes]
+
+
+def _mark(lens: Lens, pose: WornPose, x: Floats, y: Floats, height: float) -> Floats:
+    return pose.to_wear(np.column_stack([x, y, lens.front_height(x, y) + height]))
 
 
 def look_at_lens(plotter: pv.Plotter, mesh: LensMesh, side: str) -> None:

@@ -20,6 +20,7 @@ def settle(application, window):
         application.processEvents()
         shown = window.viewports[: window.document.workbench.split]
         if not window.lane.busy and all(v.answered and v.state.text() == "" for v in shown):
+            QTest.qWait(50)  # to paint it
             return
         time.sleep(0.002)
     raise SystemExit("the window did not come to rest within 150 s")

@@ -1,4 +1,4 @@
-"""The lane: one thread, the newest question of each asker wins, errors are sentences, closing waits."""
+"""The lane: one thread, of what waits the newest question of each asker wins, errors are sentences, closing waits."""
 
 import threading
 
@@ -31,7 +31,7 @@ def held(lane, gate, asker="map"):
     assert begun.wait(10)
 
 
-def test_only_the_newest_is_answered(lane, qtbot):
+def test_of_those_that_wait_only_the_newest_is_answered(lane, qtbot):
     gate, asked = threading.Event(), []
     held(lane, gate)
     for k in range(40):
@@ -39,7 +39,30 @@ def test_only_the_newest_is_answered(lane, qtbot):
     with qtbot.waitSignal(lane.idle, timeout=10000):
         gate.set()
     assert asked == [39]
-    assert lane.heard == [("map", 39)]
+    assert lane.heard == [("map", "held"), ("map", 39)]
+
+
+def test_an_asker_who_asks_again_keeps_his_turn(lane, qtbot):
+    """Else the first of four viewports would be answered for ever while a slider is dragged, and the others never."""
+    gate = threading.Event()
+    held(lane, gate, "first")
+    for k in range(3):
+        for asker in ("second", "first"):
+            lane.ask(asker, lambda k=k: k)
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        gate.set()
+    assert lane.heard == [("first", "held"), ("second", 2), ("first", 2)]
+
+
+def test_one_asker_dropped(lane, qtbot):
+    gate = threading.Event()
+    held(lane, gate)
+    lane.ask("profile", lambda: "profile")
+    lane.drop("map")
+    lane.ask("map", lambda: "anew")
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        gate.set()
+    assert lane.heard == [("profile", "profile"), ("map", "anew")]
 
 
 def test_askers_do_not_displace_each_other_and_the_urgent_goes_first(lane, qtbot):

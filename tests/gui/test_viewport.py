@@ -71,6 +71,24 @@ def test_a_picture_is_stale_until_its_successor_is_there(viewport, document, lan
     assert viewport.content.picture() != picture
 
 
+def test_an_older_answer_is_shown_and_marked_as_old(viewport, document, lane):
+    """So that the picture follows a slider that is dragged without a rest."""
+    document.edit("Distance", lambda bench: replace(bench, distance=500.0))
+    old, new = lane.questions
+    lane.answered.emit("viewport 1", old())
+    assert viewport.answered
+    assert stale(viewport)
+    lane.answered.emit("viewport 1", new())
+    assert not stale(viewport)
+
+
+def test_the_answer_of_another_kind_is_not_shown(viewport, document, lane):
+    document.edit("Kind", lambda bench: bench.with_pane(0, kind="profile"))
+    lane.answered.emit("viewport 1", lane.questions[0]())
+    assert not viewport.answered
+    assert stale(viewport)
+
+
 def test_only_what_matters_is_asked(viewport, document, lane):
     document.edit("Another pane", lambda bench: bench.with_pane(1, quantity="prism"))
     document.edit("Head", lambda bench: replace(bench, head_turn=5.0))
@@ -105,7 +123,8 @@ def test_a_failure_is_marked_and_said_and_the_old_picture_stays(viewport, docume
 def test_an_answer_that_cannot_be_drawn_is_a_failure(viewport, lane):
     heard = []
     viewport.said.connect(heard.append)
-    lane.answered.emit("viewport 1", None)
+    question, _ = lane.questions[-1]()
+    lane.answered.emit("viewport 1", (question, None))
     assert "⚠" in viewport.state.text()
     assert len(heard) == 1
 
