@@ -59,7 +59,7 @@ class Stopwatch:
         self.window.show()
         self.app.processEvents()
         self.shown = time.perf_counter() - self.since
-        self.window.open_files(FILES)
+        self.window.files.open(FILES)
         self.until(self.pictures_stand)
         self.stood = time.perf_counter() - self.since
 

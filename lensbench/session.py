@@ -6,7 +6,7 @@ mm, powers in D, angles in degrees, paths relative to the file.
 
 import json
 import os
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -98,6 +98,7 @@ class Pane:
     split: bool = False
 
 
+UNASKED = (Wearer(name="emmetrope"),)  # who looks while nothing tells of a wearer
 PANES = (Pane("lens"), Pane("map", "astigmatism"), Pane("view"), Pane("profile"))
 
 
@@ -110,7 +111,7 @@ class Workbench:
     """
 
     lenses: tuple[LensOnTable, ...] = ()
-    wearers: tuple[Wearer, ...] = field(default_factory=lambda: (Wearer(name="emmetrope"),))
+    wearers: tuple[Wearer, ...] = UNASKED
     scene: str = "room"
     lens: int = 0
     wearer: int = 0
@@ -139,22 +140,23 @@ class Workbench:
         )
 
     def with_lens(self, path: Path, side: str = "", material: str = "") -> "Workbench":
-        """With the lens in a file added and active, and its wearer, if the file tells of one or none was chosen before.
+        """With the lens in a file added and active, as `with_lens_read`. Raises InputError."""
+        return self.with_lens_read(*read_lens(path, side, material))
 
-        Raises InputError.
-        """
-        lens, told = load_pair(path, side, material)[0]
+    def with_lens_read(self, added: LensOnTable, told: Wearer | None) -> "Workbench":
+        """With a lens added and active, and its wearer, if its file told of one or none was chosen before."""
         wearers, wearer = self.wearers, self.wearer
-        if told is None and not self.lenses and len(wearers) == 1 and lens.ordered is not None:
-            told = wearer_as_ordered(lens.ordered, name="as ordered")
+        if told is None and not self.lenses and len(wearers) == 1 and added.lens.ordered is not None:
+            told = wearer_as_ordered(added.lens.ordered, name="as ordered")
         if told is not None:
-            wearers, wearer = (*wearers, told), len(wearers)
-        added = LensOnTable(path, lens, lens, side, material)
+            wearers = (told,) if wearers == UNASKED else (*wearers, told)
+            wearer = len(wearers) - 1
         return replace(self, lenses=(*self.lenses, added), lens=len(self.lenses), wearers=wearers, wearer=wearer)
 
     def with_wearer(self, wearer: Wearer) -> "Workbench":
-        """With a wearer added and active."""
-        return replace(self, wearers=(*self.wearers, wearer), wearer=len(self.wearers))
+        """With a wearer added and active; it takes the place of the emmetrope that nobody asked for."""
+        wearers = (wearer,) if self.wearers == UNASKED else (*self.wearers, wearer)
+        return replace(self, wearers=wearers, wearer=len(wearers) - 1)
 
     def without_lens(self, k: int) -> "Workbench":
         """With the k-th lens taken off the table; panes that showed it show the active lens."""
@@ -170,6 +172,12 @@ class Workbench:
         """With the k-th pane changed."""
         pane = replace(self.panes[k], **changes)
         return replace(self, panes=(*self.panes[:k], pane, *self.panes[k + 1 :]))
+
+
+def read_lens(path: Path, side: str = "", material: str = "") -> tuple[LensOnTable, Wearer | None]:
+    """The lens in a file, and the wearer that the file tells of. Raises InputError."""
+    lens, told = load_pair(path, side, material)[0]
+    return LensOnTable(path, lens, lens, side, material), told
 
 
 # ---- the session file ----

@@ -24,7 +24,7 @@ def start(files: list[Path]) -> int:
     application.setApplicationName("LensBench")
     window = MainWindow()
     window.show()
-    window.open_files(files)
+    window.files.open(files)
     return int(application.exec())
 
 

@@ -1,6 +1,5 @@
 """The main window: tree and forms on the left, linked viewports in the middle, readings and log below."""
 
-import base64
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,12 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from PySide6.QtCore import QByteArray, QSettings, Qt
+from PySide6.QtCore import QSettings, Qt
 from PySide6.QtGui import QAction, QActionGroup, QCloseEvent, QDragEnterEvent, QDropEvent, QKeySequence
 from PySide6.QtWidgets import (
     QDockWidget,
-    QFileDialog,
     QMainWindow,
+    QMenu,
     QMessageBox,
     QPlainTextEdit,
     QTabWidget,
@@ -24,9 +23,9 @@ from PySide6.QtWidgets import (
 from .. import __version__
 from ..errors import LensBenchError
 from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
-from ..session import SPLITS, Pane, Workbench, load_session, save_session
+from ..session import SPLITS, Pane, Workbench
 from .document import Document
-from .files import opened
+from .files import Files
 from .lane import Lane, sentence
 from .pictures import PictureActions
 from .readings_panel import PointsTable, ProbePanel, ToleranceTable
@@ -36,9 +35,6 @@ from .table_panel import TablePanel
 from .theme import set_theme
 from .viewport import Viewport, grid
 
-MOST_RECENT = 8
-SESSION_FILES = "Session (*.lensbench.json)"
-
 
 class MainWindow(QMainWindow):
     """Everything that is seen. Holds the document and the lane; panels only know these two."""
@@ -47,7 +43,6 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.settings = settings or QSettings("LensBench", "LensBench")
         self.document, self.lane = Document(), Lane()
-        self.session_path: Path | None = None
         self.probe: Probe | None = None
         self._flip_to: int | None = None
         self._asked: tuple[Any, ...] | None = None
@@ -101,10 +96,12 @@ class MainWindow(QMainWindow):
 
     def _build_menus(self) -> None:
         file = self.menuBar().addMenu("&File")
-        self._action(file, "&Open…", self.ask_open, QKeySequence.StandardKey.Open)
-        self.recent = file.addMenu("Open &recent")
-        self._action(file, "&Save session", self.ask_save, QKeySequence.StandardKey.Save)
-        self._action(file, "Save session &as…", lambda: self.ask_save(anew=True), QKeySequence.StandardKey.SaveAs)
+        recent = QMenu("Open &recent", self)
+        self.files = Files(self, recent)
+        self._action(file, "&Open…", self.files.ask_open, QKeySequence.StandardKey.Open)
+        file.addMenu(recent)
+        self._action(file, "&Save session", self.files.ask_save, QKeySequence.StandardKey.Save)
+        self._action(file, "Save session &as…", lambda: self.files.ask_save(anew=True), QKeySequence.StandardKey.SaveAs)
         file.addSeparator()
         self._action(file, "&Report…", self.reports.ask_report, "Ctrl+R")
         self._action(file, "&Compare…", self.reports.ask_comparison, "Ctrl+Shift+R")
@@ -136,7 +133,6 @@ class MainWindow(QMainWindow):
         for dock in self.findChildren(QDockWidget):
             docks.addAction(dock.toggleViewAction())
         self._action(self.menuBar().addMenu("&Help"), "&About", self._about)
-        self._show_recent()
         self._show_history()
 
     def _action(self, menu: Any, text: str, run: Callable[[], Any], key: Any = None) -> QAction:
@@ -215,7 +211,7 @@ class MainWindow(QMainWindow):
         for action, name, word in ((self.undo, document.undo_name, "Undo"), (self.redo, document.redo_name, "Redo")):
             action.setText(f"{word} {name[:1].lower()}{name[1:]}" if name else word)
             action.setEnabled(bool(name))
-        name = self.session_path.name if self.session_path else "unnamed session"
+        name = self.files.session.name if self.files.session else "unnamed session"
         self.setWindowTitle(f"{name}[*] – LensBench")
         self.setWindowModified(document.modified)
 
@@ -229,54 +225,6 @@ class MainWindow(QMainWindow):
             self.say(sentence(error))
             return False
         return True
-
-    def open_files(self, paths: list[Path]) -> None:
-        """Open lenses, wearers, scenes and sessions; what cannot be read is said and changes nothing."""
-        for path in paths:
-            if path.name.endswith(".lensbench.json"):
-                done = self.attempt(partial(self._open_session, path))
-            else:
-                done = self.attempt(lambda path=path: self.document.edit(f"Open {path.name}", partial(opened, path)))
-            if done:
-                self._remember(path)
-                self._say_what_was_assumed()
-
-    def _say_what_was_assumed(self) -> None:
-        lens = self.document.workbench.active_lens
-        if lens is not None and lens.note:
-            self.say(f"{lens.name}: {lens.note}")
-
-    def _open_session(self, path: Path) -> None:
-        workbench, window = load_session(path)
-        self.session_path = path
-        self.document.open(workbench)
-        if window:
-            self.restoreState(QByteArray(base64.b64decode(window)))
-
-    def save(self, path: Path) -> bool:
-        """Save the session; whether it is now in the file."""
-        state = base64.b64encode(bytes(self.saveState().data())).decode()
-        if not self.attempt(lambda: save_session(self.document.workbench, path, state)):
-            return False
-        self.session_path = path
-        self.document.saved()
-        self._remember(path)
-        return True
-
-    def ask_open(self) -> None:
-        """Ask which files to open."""
-        names, _ = QFileDialog.getOpenFileNames(self, "Open lenses, wearers, scenes or a session", self._folder())
-        self.open_files([Path(name) for name in names])
-
-    def ask_save(self, anew: bool = False) -> bool:
-        """Save the session, asking where if it has no file yet."""
-        path = None if anew else self.session_path
-        if path is None:
-            name, _ = QFileDialog.getSaveFileName(self, "Save session", self._folder(), SESSION_FILES)
-            if not name:
-                return False
-            path = Path(name if name.endswith(".lensbench.json") else name + ".lensbench.json")
-        return self.save(path)
 
     def flip(self) -> None:
         """Make the lens active that was active before: A/B."""
@@ -376,34 +324,13 @@ class MainWindow(QMainWindow):
             self, "LensBench", f"LensBench {__version__}\nWhat a spectacle lens does, and what its wearer sees."
         )
 
-    # ---- files ----
-
-    def _folder(self) -> str:
-        return str(self.settings.value("folder", ""))
-
-    def _remember(self, path: Path) -> None:
-        known = [str(path.absolute()), *self._recent()]
-        self.settings.setValue("recent", list(dict.fromkeys(known))[:MOST_RECENT])
-        self.settings.setValue("folder", str(path.absolute().parent))
-        self._show_recent()
-
-    def _recent(self) -> list[str]:
-        found = self.settings.value("recent", [])
-        return [found] if isinstance(found, str) else list(found or [])
-
-    def _show_recent(self) -> None:
-        self.recent.clear()
-        for name in self._recent():
-            self.recent.addAction(Path(name).name, partial(self.open_files, [Path(name)])).setToolTip(name)
-        self.recent.setEnabled(bool(self._recent()))
-
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
         if event.mimeData().hasUrls():
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
         paths = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
-        self.open_files(paths)
+        self.files.open(paths)
         event.acceptProposedAction()
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -418,10 +345,10 @@ class MainWindow(QMainWindow):
 
     def _may_close(self) -> bool:
         """Ask whether to save what is not in a session file; sessions that never were saved are not worth a question."""
-        if self.session_path is None:
+        if self.files.session is None:
             return True
         buttons = QMessageBox.StandardButton
         answer = QMessageBox.question(
             self, "LensBench", "Save the changes of this session?", buttons.Save | buttons.Discard | buttons.Cancel
         )
-        return answer == buttons.Discard or (answer == buttons.Save and self.ask_save())
+        return answer == buttons.Discard or (answer == buttons.Save and self.files.ask_save())

@@ -55,6 +55,17 @@ def settle(qtbot):
     return lambda window: qtbot.waitUntil(lambda: settled(window), timeout=150000)
 
 
+@pytest.fixture
+def open_files(qtbot):
+    """Open files in a window, and wait until they are read."""
+
+    def opened(window, paths):
+        window.files.open(paths)
+        qtbot.waitUntil(lambda: not window.lane.busy, timeout=60000)
+
+    return opened
+
+
 @pytest.fixture(scope="session")
 def mouse():
     """Send a widget one mouse event; the pointer of the screen stays where it is."""

@@ -40,7 +40,7 @@ def main(lens: Path, folder: Path) -> None:
     window.resize(1400, 900)
     window.show()
     assert QTest.qWaitForWindowExposed(window)
-    window.open_files([lens])
+    window.files.open([lens])
     settle(application, window)
     panes = window.document.workbench.panes
     k = next(k for k, pane in enumerate(panes) if pane.kind == "map")
@@ -74,7 +74,7 @@ def main(lens: Path, folder: Path) -> None:
     QTest.keyClick(box, Qt.Key.Key_Return)
     assert window.document.workbench.active_wearer.wear.vertex_distance == 20.0
     settle(application, window)
-    assert window.save(folder / "a.lensbench.json")
+    assert window.files.save(folder / "a.lensbench.json")
     window.document.edit("Distance", lambda bench: bench.with_pane(k, quantity="astigmatism"))
     window.document.saved()
     assert window.lane.busy

@@ -1,22 +1,20 @@
 """The main window as it is used: open, edit, probe, compare, flip, save and restore; nothing wrong changes anything."""
 
-import gc
-import os
 import threading
 import time
-import weakref
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import psutil
 import pytest
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
 from PySide6.QtGui import QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from lensbench.compare import difference
-from lensbench.gui.main_window import MOST_RECENT, MainWindow
+from lensbench.gui import files
+from lensbench.gui.files import MOST_RECENT
+from lensbench.gui.main_window import MainWindow
 from lensbench.gui.map_source import SAMPLES as MAP_SAMPLES
 from lensbench.layers import MapLayer, PointsLayer, ProbeLayer, Request
 from lensbench.session import Pane
@@ -36,8 +34,8 @@ def logged(window):
     return window.log.toPlainText().splitlines()
 
 
-def test_an_opened_lens_is_shown_and_read(ready, settle):
-    ready.open_files([PROGRESSIVE])
+def test_an_opened_lens_is_shown_and_read(ready, settle, open_files):
+    open_files(ready, [PROGRESSIVE])
     settle(ready)
     bench = ready.document.workbench
     names = ready.table.tree.findItems(bench.active_lens.name, Qt.MatchFlag.MatchContains | Qt.MatchFlag.MatchRecursive)
@@ -54,8 +52,8 @@ def test_an_opened_lens_is_shown_and_read(ready, settle):
     np.testing.assert_array_equal(shown.values, alone.values)
 
 
-def test_files_of_every_kind_are_opened_together(ready, tmp_path):
-    ready.open_files([PLUS, WEARER])
+def test_files_of_every_kind_are_opened_together(ready, tmp_path, open_files):
+    open_files(ready, [PLUS, WEARER])
     bench = ready.document.workbench
     assert len(bench.lenses) == 2
     assert bench.active_wearer.age == 60
@@ -64,39 +62,80 @@ def test_files_of_every_kind_are_opened_together(ready, tmp_path):
 
 @pytest.mark.parametrize("text", ["", "format = 3", "nonsense\x00"])
 @pytest.mark.parametrize("name", ["a.toml", "a.lensbench.json", "a.sdf", "a.stl", "a.xyz"])
-def test_a_bad_file_is_one_sentence_and_changes_nothing(ready, tmp_path, name, text):
+def test_a_bad_file_is_one_sentence_and_changes_nothing(ready, tmp_path, name, text, open_files):
     path, before = tmp_path / name, ready.document.workbench
     path.write_text(text)
-    ready.open_files([path])
+    open_files(ready, [path])
     assert ready.document.workbench is before
     (line,) = logged(ready)
     assert str(path) in line
-    ready.open_files([tmp_path / "gone.toml"])
+    open_files(ready, [tmp_path / "gone.toml"])
     assert len(logged(ready)) == 2
     assert ready.document.workbench is before
 
 
-def test_only_what_could_be_opened_is_a_recent_file(ready, tmp_path, settings):
+def test_only_what_could_be_opened_is_a_recent_file(qtbot, ready, tmp_path, settings, open_files):
     (tmp_path / "bad.toml").write_text("format = 3")
-    ready.open_files([tmp_path / "bad.toml", PLUS])
-    assert [action.text() for action in ready.recent.actions()] == [PLUS.name]
+    open_files(ready, [tmp_path / "bad.toml", PLUS])
+    assert [action.text() for action in ready.files.recent.actions()] == [PLUS.name]
     for k in range(MOST_RECENT + 2):
         copy = tmp_path / f"{k}.toml"
         copy.write_bytes(PLUS.read_bytes())
-        ready.open_files([copy])
+        open_files(ready, [copy])
     assert len(settings.value("recent")) == MOST_RECENT
     count = len(ready.document.workbench.lenses)
-    ready.recent.actions()[0].trigger()
-    assert len(ready.document.workbench.lenses) == count + 1
+    ready.files.recent.actions()[0].trigger()
+    qtbot.waitUntil(lambda: len(ready.document.workbench.lenses) == count + 1)
 
 
-def test_dropped_files_are_opened(ready):
+def test_dropped_files_are_opened(qtbot, ready):
     data = QMimeData()
     data.setUrls([QUrl.fromLocalFile(str(PLUS)), QUrl("https://example.org/lens.toml")])
     left, none = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
     QApplication.sendEvent(ready, QDragEnterEvent(QPoint(5, 5), Qt.DropAction.CopyAction, data, left, none))
     QApplication.sendEvent(ready, QDropEvent(QPointF(5, 5), Qt.DropAction.CopyAction, data, left, none))
-    assert [entry.path for entry in ready.document.workbench.lenses[1:]] == [PLUS]
+    qtbot.waitUntil(lambda: [entry.path for entry in ready.document.workbench.lenses[1:]] == [PLUS])
+
+
+def test_files_are_read_beside_the_window_and_all_arrive_in_order(qtbot, ready, tmp_path, monkeypatch):
+    """The window's thread never waits for a reader; a file that cannot be read stops none of the others."""
+    gate, threads = threading.Event(), []
+    read_slowly = files.read
+
+    def slow(path):
+        threads.append(threading.get_ident())
+        gate.wait(10)
+        return read_slowly(path)
+
+    monkeypatch.setattr(files, "read", slow)
+    (tmp_path / "bad.toml").write_text("format = 3")
+    ready.files.open([PROGRESSIVE, tmp_path / "bad.toml", PLUS])
+    assert "Reading" in ready.statusBar().currentMessage()
+    assert len(ready.document.workbench.lenses) == 1
+    gate.set()
+    qtbot.waitUntil(lambda: len(ready.document.workbench.lenses) == 3, timeout=60000)
+    assert [entry.path for entry in ready.document.workbench.lenses[1:]] == [PROGRESSIVE, PLUS]
+    assert len(logged(ready)) == 1
+    assert threading.get_ident() not in threads
+
+
+def test_closing_while_a_file_is_read(qtbot, ready, monkeypatch):
+    gate, begun = threading.Event(), threading.Event()
+    monkeypatch.setattr(files, "read", lambda path: begun.set() or gate.wait(10))
+    ready.files.open([PLUS])
+    assert begun.wait(10)
+    threading.Timer(0.1, gate.set).start()
+    assert ready.close()
+
+
+def test_an_emmetrope_stands_in_only_until_a_wearer_is_known(qtbot, settings, open_files):
+    window = MainWindow(settings)
+    qtbot.addWidget(window, before_close_func=lambda window: window.document.saved())
+    assert [wearer.name for wearer in window.document.workbench.wearers] == ["emmetrope"]
+    open_files(window, [PROGRESSIVE])
+    assert [wearer.name for wearer in window.document.workbench.wearers] == ["as ordered"]
+    open_files(window, [WEARER])
+    assert len(window.document.workbench.wearers) == 2
 
 
 def test_an_edit_shows_everywhere_and_is_undone(ready, settle):
@@ -156,8 +195,8 @@ def test_a_probe_is_marked_in_every_view(window, settle, qtbot, mouse):
     assert window.probe.point == pytest.approx(probe.point, abs=0.05), "the view's way back to the lens"
 
 
-def test_two_lenses_flip_and_differ(ready, settle):
-    ready.open_files([PLUS])
+def test_two_lenses_flip_and_differ(ready, settle, open_files):
+    open_files(ready, [PLUS])
     ready.flip()
     assert ready.document.workbench.lens == 0
     ready.flip()
@@ -173,8 +212,8 @@ def test_two_lenses_flip_and_differ(ready, settle):
     assert np.nanmean(meant.values) == pytest.approx(-8.0, abs=0.5)
 
 
-def test_two_lenses_side_by_side_have_one_scale(ready, settle):
-    ready.open_files([PLUS])
+def test_two_lenses_side_by_side_have_one_scale(ready, settle, open_files):
+    open_files(ready, [PLUS])
     ready._side_by_side()
     settle(ready)
     one, two, less = (viewport.content for viewport in ready.viewports[:3])
@@ -202,22 +241,22 @@ def test_a_lens_is_taken_off_the_table(ready, settle):
     assert len(ready.document.workbench.lenses) == 1
 
 
-def test_a_session_is_saved_and_restored_whole(ready, tmp_path, settings, qtbot, settle):
+def test_a_session_is_saved_and_restored_whole(ready, tmp_path, settings, qtbot, settle, open_files):
     path = tmp_path / "design.lensbench.json"
-    ready.open_files([PLUS])
+    open_files(ready, [PLUS])
     ready.document.edit(
         "Panes", lambda bench: replace(bench.with_pane(0, low=-6.0, high=0.0, step=0.5), distance=400.0)
     )
     table = next(dock for dock in ready.findChildren(type(ready.probe_panel.parent())) if dock.objectName() == "Table")
     table.hide()
-    assert ready.save(path)
+    assert ready.files.save(path)
     assert not ready.document.modified
     assert not ready.isWindowModified()
     saved = ready.document.workbench
     other = MainWindow(settings)
     qtbot.addWidget(other)
     other.show()
-    other.open_files([path])
+    open_files(other, [path])
     bench = other.document.workbench
     assert (bench.panes, bench.split, bench.distance, bench.lens) == (saved.panes, saved.split, 400.0, 1)
     assert [entry.lens.name for entry in bench.lenses] == [entry.lens.name for entry in saved.lenses]
@@ -234,7 +273,7 @@ def test_a_session_is_saved_and_restored_whole(ready, tmp_path, settings, qtbot,
 def test_a_folder_that_is_not_there_keeps_the_session_unsaved(ready, tmp_path):
     (tmp_path / "file").write_text("")
     ready.document.edit("Distance", lambda bench: replace(bench, distance=400.0))
-    assert not ready.save(tmp_path / "file" / "a.lensbench.json")
+    assert not ready.files.save(tmp_path / "file" / "a.lensbench.json")
     assert ready.document.modified
     assert len(logged(ready)) == 1
 
@@ -245,7 +284,7 @@ def test_a_folder_that_is_not_there_keeps_the_session_unsaved(ready, tmp_path):
 )
 def test_closing_asks_about_changes_of_a_saved_session(ready, tmp_path, monkeypatch, answer, closes, written):
     path = tmp_path / "a.lensbench.json"
-    ready.save(path)
+    ready.files.save(path)
     before = path.read_text()
     ready.document.edit("Distance", lambda bench: replace(bench, distance=400.0))
     monkeypatch.setattr(QMessageBox, "question", lambda *_: getattr(QMessageBox.StandardButton, answer))
@@ -360,24 +399,3 @@ def test_keys_do_what_the_menu_says(ready):
         "Ctrl+2",
         "Ctrl+4",
     } <= set(keys)
-
-
-def test_windows_come_and_go_without_a_leak(qtbot, settings, settle):
-    """LENSBENCH_WINDOWS: how many; memory settles after the first ones, whose scenes and kernels stay."""
-    memory, alive = [], []
-    for _ in range(int(os.environ.get("LENSBENCH_WINDOWS", "4"))):
-        window = MainWindow(settings)
-        alive += [weakref.ref(window), weakref.ref(window.viewports[0]), weakref.ref(window.lane._thread)]
-        window.show()
-        window.open_files([PLUS])
-        settle(window)
-        window.document.saved()
-        window.close()
-        window.deleteLater()
-        del window
-        QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
-        memory.append(psutil.Process().memory_info().rss / 1e6)
-    gc.collect()
-    assert [found() for found in alive] == [None] * len(alive)
-    growth = (memory[-1] - memory[1]) / (len(memory) - 2)
-    assert growth < 80, f"MB a window: {growth:.0f}; {memory}"

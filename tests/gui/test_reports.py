@@ -50,10 +50,10 @@ def test_a_report_is_cancelled_and_leaves_nothing(window, tmp_path, qtbot, opene
     assert opened == []
 
 
-def test_an_error_of_the_command_is_its_sentence(window, tmp_path, qtbot, opened):
+def test_an_error_of_the_command_is_its_sentence(window, tmp_path, qtbot, opened, open_files):
     lens = tmp_path / "mine.toml"
     lens.write_bytes(PLUS.read_bytes())
-    window.open_files([lens])
+    open_files(window, [lens])
     lens.unlink()
     window.reports.start("report", tmp_path / "pages")
     qtbot.waitUntil(ended(window), timeout=120000)

@@ -27,19 +27,21 @@ def one_round(qapp, tmp_path):
     def run():
         window = MainWindow(settings)
         window.show()
-        window.open_files([SAMPLES / "regular_R.toml", SAMPLES / "presbyope_60.toml"])
+        window.files.open([SAMPLES / "regular_R.toml", SAMPLES / "presbyope_60.toml"])
         end = time.monotonic() + 120
         while not all(v.answered for v in window.viewports):
             qapp.processEvents()
             assert time.monotonic() < end, "the pictures did not come"
             time.sleep(0.002)
-        stages = [weakref.ref(v.content.stage.stage) for v in window.viewports if hasattr(v.content, "stage")]
+        alive = [weakref.ref(v.content.stage.stage) for v in window.viewports if hasattr(v.content, "stage")]
+        assert alive
+        alive += [weakref.ref(window), weakref.ref(window.viewports[0]), weakref.ref(window.lane._thread)]
         window.document.saved()
         assert window.close()
         window.deleteLater()
         qapp.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         qapp.processEvents()
-        return stages
+        return alive
 
     return run
 
@@ -58,10 +60,9 @@ def windows_of_vtk():
 def test_rounds_of_opening_and_closing_leave_nothing(one_round):
     process, before, sizes = psutil.Process(), windows_of_vtk(), []
     for _ in range(ROUNDS):
-        stages = one_round()
+        alive = one_round()
         assert windows_of_vtk() == before
-        assert stages
-        assert all(stage() is None for stage in stages)
+        assert [found() for found in alive] == [None] * len(alive)
         give_back()
         sizes.append(process.memory_info().rss / 1e6)
     if ROUNDS > 2 * KEPT:  # what is kept for the last lenses has come to rest
