@@ -31,6 +31,7 @@ from .pictures import PictureActions
 from .readings_panel import PointsTable, ProbePanel, ToleranceTable
 from .reports import ReportRunner
 from .scene_source import answer_with_scene
+from .space_content import SIDES, SpaceContent
 from .table_panel import TablePanel
 from .theme import set_theme
 from .viewport import Viewport, grid
@@ -125,6 +126,9 @@ class MainWindow(QMainWindow):
         self._action(view, "&Flip between two lenses", self.flip, "Space")
         self._action(view, "Difference of the two lenses", self._difference, "Ctrl+D")
         self._action(view, "Two lenses side by side", self._side_by_side, "Ctrl+Shift+D")
+        camera = view.addMenu("&Camera")
+        for k, side in enumerate(("", *SIDES), start=2):
+            self._action(camera, f"From {side}" if side else "As at first", partial(self._look, side), f"F{k}")
         self._action(view, "&Stop computing", self.stop, "Esc")
         self._action(view, "Full screen", self._full_screen, "F11")
         self.dark = self._action(view, "&Dark", lambda: self._theme(self.dark.isChecked()))
@@ -298,6 +302,12 @@ class MainWindow(QMainWindow):
         for viewport in self.viewports[: self.document.workbench.split]:
             if viewport.content is not source and type(viewport.content) is type(source):
                 viewport.content.stage.look_like(source.stage)
+
+    def _look(self, side: str) -> None:
+        """Turn the cameras of all stages that are shown."""
+        for viewport in self.viewports[: self.document.workbench.split]:
+            if isinstance(viewport.content, SpaceContent):
+                viewport.content.look(side)
 
     def _show_alone(self, k: int) -> None:
         """The k-th viewport alone, or all again."""

@@ -1,13 +1,13 @@
 """A flat map in its viewport: the report's bands, isolines, marks and scale, seen from in front of the wearer."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPainterPath, QPen, QWheelEvent
 
 from ..layers import Probe
 from ..session import Pane, Workbench
@@ -19,6 +19,7 @@ from .plot import Plot
 
 BAR = 74.0
 _WIDTHS = (0.6, 1.2, 2.0)
+CLOSER, CLOSEST = 1.25, 16.0  # of a notch of the wheel; at most
 
 
 class Drawn(NamedTuple):
@@ -35,7 +36,7 @@ def _prepared(found: Callable[[], BandedMap]) -> Drawn:
 
 
 class MapContent(Plot):
-    """x to the right, y up, mm."""
+    """x to the right, y up, mm. Wheel: closer to what is under the pointer; drag: shift; double click: the whole lens."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -43,6 +44,8 @@ class MapContent(Plot):
         self.margins = (56.0, 8.0, BAR + 14, 40.0)
         self.drawn: Drawn | None = None
         self._pane = Pane()
+        self._whole = self.box
+        self._last: QPointF | None = None
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
         question = map_question(bench, pane)
@@ -53,7 +56,10 @@ class MapContent(Plot):
 
     def show_answer(self, answer: Drawn, bench: Workbench, pane: Pane) -> None:
         x0, x1, y0, y1 = answer.banded.lens.outline.box
-        self.drawn, self._pane, self.box = answer, pane, (x0 - 1.5, x1 + 1.5, y0 - 1.5, y1 + 1.5)
+        whole = x0 - 1.5, x1 + 1.5, y0 - 1.5, y1 + 1.5
+        if whole != self._whole:
+            self._whole = self.box = whole
+        self.drawn, self._pane = answer, pane
         self.draw_again()
 
     @property
@@ -67,6 +73,41 @@ class MapContent(Plot):
     def pointed_at(self, x: float, y: float) -> None:
         if self.drawn is not None and self.drawn.banded.lens.outline.contains(x, y):
             self.pointed.emit((x, y), None)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        place = self.data(event.position())
+        if place is None or self.drawn is None:
+            return
+        width, whole = self.box[1] - self.box[0], self._whole[1] - self._whole[0]
+        share = np.clip(width * CLOSER ** (-event.angleDelta().y() / 120), whole / CLOSEST, whole) / width
+        self._show_box([at + (end - at) * share for end, at in zip(self.box, np.repeat(place, 2), strict=True)])
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        self._last = event.position()
+
+    def mouseReleaseEvent(self, _event: QMouseEvent) -> None:
+        self._last = None
+
+    def mouseDoubleClickEvent(self, _event: QMouseEvent) -> None:
+        self._show_box(self._whole)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._last is None or not event.buttons() & Qt.MouseButton.LeftButton:
+            super().mouseMoveEvent(event)
+            return
+        step, self._last = event.position() - self._last, event.position()
+        per_pixel = (self.box[1] - self.box[0]) / self.area().width()
+        across, up = -step.x() * per_pixel, step.y() * per_pixel
+        self._show_box([end + move for end, move in zip(self.box, (across, across, up, up), strict=True)])
+
+    def _show_box(self, box: Sequence[float]) -> None:
+        """Show a part of the data, shifted so that it lies within the whole."""
+        parts = []
+        for (low, high), (first, last) in zip((box[:2], box[2:]), (self._whole[:2], self._whole[2:]), strict=True):
+            shift = max(first - low, 0.0) + min(last - high, 0.0)
+            parts += [float(low + shift), float(high + shift)]
+        self.box = parts[0], parts[1], parts[2], parts[3]
+        self.draw_again()
 
     def figure(self) -> Any:
         from ..views.maps import map_figure
@@ -87,7 +128,9 @@ class MapContent(Plot):
         outline.addPolygon(self.polygon(np.transpose(lens.outline.points())))
         outline.closeSubpath()
         painter.save()
-        painter.setClipPath(outline)
+        painter.setClipRect(self.area())
+        painter.save()
+        painter.setClipPath(outline, Qt.ClipOperation.IntersectClip)
         corners = self.pixel(lens_map.x[0], lens_map.y[-1]), self.pixel(lens_map.x[-1], lens_map.y[0])
         painter.drawImage(QRectF(*corners), _qimage(self.drawn.pixels))
         self._draw_isolines(painter, bands)
@@ -95,6 +138,7 @@ class MapContent(Plot):
         painter.setPen(QPen(self.ink(), 1.6))
         painter.drawPath(outline)
         self._draw_marks(painter)
+        painter.restore()
         self._draw_bar(painter, bands, f"{lens_map.label}, {lens_map.unit}")
 
     def _draw_isolines(self, painter: QPainter, bands: Bands) -> None:
@@ -111,11 +155,12 @@ class MapContent(Plot):
 
     def _name_levels(self, painter: QPainter, bands: Bands, longest: dict[int, Any]) -> None:
         """Name each level on its longest line, where no other name stands."""
-        taken: list[QRectF] = []
+        taken, area = list[QRectF](), self.area()
         for level, points in longest.items():
             places = [self.pixel(*points[len(points) * k // 8]) for k in (4, 2, 6, 3, 5, 1, 7)]
             boxes = [QRectF(at.x() - 20, at.y() - 8, 40, 16) for at in places]
-            box = next((b for b in boxes if not any(b.intersects(t) for t in taken)), None)
+            free = (b for b in boxes if area.contains(b) and not any(b.intersects(t) for t in taken))
+            box = next(free, None)
             if box is not None:
                 taken.append(box)
                 self.halo_text(painter, box, bands.text[level])

@@ -23,8 +23,9 @@ class PictureActions:
         self.window = window
 
     def act(self, verb: str, k: int) -> None:
-        """ "scale", "share", "copy" or "save". Raises InputError."""
-        {"scale": self.ask_scale, "share": self.share_scale, "copy": self.copy, "save": self.ask_save}[verb](k)
+        """ "scale", "keep", "share", "copy" or "save". Raises InputError."""
+        do = {"scale": self.ask_scale, "keep": self.keep_scale, "share": self.share_scale}
+        (do | {"copy": self.copy, "save": self.ask_save})[verb](k)
 
     def ask_scale(self, k: int) -> None:
         """Ask for the limits and the step of a colour scale."""
@@ -40,6 +41,11 @@ class PictureActions:
         if step is not None and not step > 0:
             raise InputError("the step of a scale must be positive")
         self.window.document.edit("Colour scale", lambda bench: bench.with_pane(k, low=low, high=high, step=step))
+
+    def keep_scale(self, k: int) -> None:
+        """Let the limits stay as they are now, whatever the map becomes."""
+        low, high = self._present_limits(k)
+        self.window.document.edit("Keep colour scale", lambda bench: bench.with_pane(k, low=low, high=high))
 
     def share_scale(self, k: int) -> None:
         """Give all panes of the same quantity this pane's scale: its own limits, or those of all maps that it shows now."""
@@ -58,7 +64,7 @@ class PictureActions:
     def _present_limits(self, k: int) -> tuple[float, float]:
         bands = getattr(self.window.viewports[k].content, "bands", None)
         if bands is None:
-            raise InputError("this viewport has no colour scale to share")
+            raise InputError("this viewport has no colour scale")
         return float(bands.levels[0]), float(bands.levels[-1])
 
     def copy(self, k: int) -> None:

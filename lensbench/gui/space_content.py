@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QVBoxLayout
 from pyvista import Actor
 
 from ..layers import EllipseLayer, EllipseSheet, Probe
+from ..optics.conventions import Floats
 from ..optics.eye import Wearer
 from ..optics.gaze import worn_pose
 from ..optics.lens import Lens
@@ -24,6 +25,13 @@ from .scene_source import answer_with_scene
 from .stage_widget import StageWidget
 
 RINGS, AROUND = 30, 180
+SIDES = {  # direction towards the camera and what is up, wear frame
+    "the front": ((0, 0, 1), (0, 1, 0)),
+    "behind": ((0, 0, -1), (0, 1, 0)),
+    "above": ((0, 1, 0), (0, 0, -1)),
+    "the wearer's right": ((-1, 0, 0), (0, 1, 0)),
+    "the wearer's left": ((1, 0, 0), (0, 1, 0)),
+}
 
 
 class SpaceContent(Content):
@@ -45,6 +53,18 @@ class SpaceContent(Content):
     def bands(self) -> Bands | None:
         """The scale that is shown."""
         return self.bar.bands
+
+    def look(self, name: str) -> None:
+        """Look from one of SIDES, or from the place where the camera was at first ("")."""
+        if name:
+            self.stage.look_from(*SIDES[name])
+        elif self.stage.stage is not None:
+            self.look_first(self.stage.stage)
+            self.stage.refresh()
+
+    def look_first(self, plotter: Any) -> None:
+        """Place the camera where it stands at first."""
+        raise NotImplementedError
 
     def close_stage(self) -> None:
         self.stage.close_stage()
@@ -76,13 +96,18 @@ class LensContent(SpaceContent):
                 plotter.add_actor(actor, reset_camera=False)
             if self._looked != (lens.side, lens.outline):
                 self._looked = lens.side, lens.outline
-                look_at_lens(plotter, mesh, lens.side)
+                self.look_first(plotter)
 
         rim = np.asarray(mesh.edge.points)
         left, right = ("temporal", "nasal") if lens.side == "R" else ("nasal", "temporal")
         self.stage.words = [(rim[np.argmin(rim[:, 0])], left), (rim[np.argmax(rim[:, 0])], right)]
         self.stage.draw(put)
         self.bar.show_bands(bands, lens_map.label, lens_map.unit)
+
+    def look_first(self, plotter: Any) -> None:
+        if self._lens is not None:
+            lens, _, mesh = self._lens
+            look_at_lens(plotter, mesh, lens.side)
 
     def show_probe(self, probe: Probe | None) -> None:
         self.stage.mark = None if probe is None else probe.exit
@@ -118,6 +143,7 @@ class EllipsesContent(SpaceContent):
     def __init__(self) -> None:
         super().__init__()
         self._looked: tuple[float, ...] = ()
+        self._sights: tuple[Wearer, Floats] | None = None
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
         lens, wearer = bench.lens_of(pane), bench.active_wearer
@@ -137,10 +163,15 @@ class EllipsesContent(SpaceContent):
             ]
             if self._looked != bench.depths:
                 self._looked = bench.depths
-                look_along(plotter, wearer, np.concatenate(corners))
+                self._sights = wearer, np.concatenate(corners)
+                self.look_first(plotter)
 
         self.stage.draw(put)
         self.bar.show_bands(bands, "Major diameter of the ellipses seen from the eye", "arcmin")
+
+    def look_first(self, plotter: Any) -> None:
+        if self._sights is not None:
+            look_along(plotter, *self._sights)
 
     def show_probe(self, probe: Probe | None) -> None:
         nearest = min(self._looked, default=0.0)

@@ -84,6 +84,15 @@ class StageWidget(QWidget):
             self.stage.reset_camera_clipping_range()
             self.refresh()
 
+    def look_from(self, direction: tuple[float, float, float], up: tuple[float, float, float]) -> None:
+        """See all of the stage from a direction."""
+        if self.stage is not None:
+            camera = self.stage.camera
+            camera.position = np.array(camera.focal_point) + camera.distance * np.array(direction)
+            camera.up = up
+            self.stage.renderer.ResetCamera()
+            self.refresh()
+
     def close_stage(self) -> None:
         """Free what is held on the graphics card."""
         self._rest.stop()

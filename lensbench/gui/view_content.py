@@ -43,15 +43,16 @@ class ViewContent(Content):
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
         lens, wearer = bench.lens_of(pane), bench.active_wearer
-        eye = pane.eye if lens is not None or pane.eye in ("naked", "perfect") else "naked"
+        if lens is None:
+            return None
         layer = ViewLayer(
-            eye,
+            pane.eye,
             *np.radians([pane.azimuth, pane.elevation, pane.width / 2]).tolist(),
             size=self._size(),
             accommodation=bench.accommodation,
             head_turn=float(np.radians(bench.head_turn)),
             head_tilt=float(np.radians(bench.head_tilt)),
-            split=pane.split and lens is not None,
+            split=pane.split,
         )
         return (lens, wearer, layer, bench.scene), partial(answer_with_scene, lens, wearer, layer, bench.scene)
 

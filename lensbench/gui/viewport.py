@@ -89,8 +89,8 @@ class Viewport(QFrame):
         self.menu.setMenu(QMenu(self))
         self.menu.setToolTip("Colour scale, save, copy")
         for text, verb in (
-            ("Colour scale…", "scale"), ("Copy colour scale to all", "share"), ("Copy picture", "copy"),
-            ("Save picture…", "save"), ("Show alone / all", "alone"), ("Full screen", "full"),
+            ("Colour scale…", "scale"), ("Keep this colour scale", "keep"), ("Copy colour scale to all", "share"),
+            ("Copy picture", "copy"), ("Save picture…", "save"), ("Show alone / all", "alone"), ("Full screen", "full"),
         ):  # fmt: skip
             self.menu.menu().addAction(text, lambda verb=verb: self.acted.emit(verb, self.k))
         for name, box in (("Kind", self.kind), ("Quantity", self.quantity), ("Lens", self.lens), ("Eye", self.eye)):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QMimeData, QPoint, QPointF, Qt, QUrl
-from PySide6.QtGui import QDragEnterEvent, QDropEvent
+from PySide6.QtGui import QAction, QDragEnterEvent, QDropEvent
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from lensbench.compare import difference
@@ -350,6 +350,20 @@ def test_head_and_eye_are_turned_by_the_mouse(window, settle, mouse):
     window.document.undo()
     assert window.document.workbench is before
     settle(window)
+
+
+@pytest.mark.parametrize(("side", "towards"), [("the front", (0, 0, 1)), ("above", (0, 1, 0)), ("behind", (0, 0, -1))])
+def test_stages_are_seen_from_a_side_and_again_as_at_first(window, settle, side, towards):
+    window.document.edit("Kinds", lambda b: b.with_pane(0, kind="lens").with_pane(1, kind="ellipses"))
+    settle(window)
+    stages = [viewport.content.stage.stage for viewport in window.viewports[:2]]
+    first = [np.array(stage.camera.direction) for stage in stages]
+    next(a for a in window.findChildren(QAction) if a.text() == f"From {side}").trigger()
+    for stage in stages:
+        np.testing.assert_allclose(stage.camera.direction, -np.array(towards), atol=1e-9)
+    next(a for a in window.findChildren(QAction) if a.text() == "As at first").trigger()
+    for stage, direction in zip(stages, first, strict=True):
+        np.testing.assert_allclose(stage.camera.direction, direction, atol=1e-9)
 
 
 def test_cameras_of_stages_are_linked(window, settle, mouse):

@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.text import Text
-from PySide6.QtCore import QEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtWidgets import QApplication
 
-from lensbench.gui.map_content import MapContent, _prepared
+from lensbench.gui.map_content import CLOSEST, MapContent, _prepared
 from lensbench.gui.map_source import SAMPLES, BandedMap
 from lensbench.layers import MapLayer, ProbeLayer, Request
 from lensbench.session import Pane
@@ -16,6 +18,7 @@ from lensbench.views.raster import band_pixels, isolines
 from lensbench.workbench import run
 
 PANE = Pane("map", "mean_power", low=-3.0, high=1.0, step=0.25)
+NEAR = [(11.0, 6.0), (13.0, 8.5), (10.5, 9.0)]
 PLACES = [(-18.0, 9.0), (18.0, 9.5), (-18.0, -9.0), (18.0, -9.0), (3.0, 20.0), (0.0, -22.0)]
 
 
@@ -127,6 +130,51 @@ def test_the_pointer_tells_its_lens_point_and_the_probe_is_marked(qtbot, sphere,
     assert content.picture() != before
     content.show_probe(None)
     assert content.picture() == before
+
+
+def wheel(content, at, notches):
+    none, angle = Qt.MouseButton.NoButton, QPoint(0, 120 * notches)
+    keys, phase = Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase
+    where = QPointF(content.mapToGlobal(at))
+    QApplication.sendEvent(content, QWheelEvent(at, where, QPoint(), angle, none, keys, phase, False))
+
+
+def test_the_wheel_comes_closer_to_what_is_under_the_pointer(qtbot, sphere, tilted):
+    content = shown(qtbot, sphere, tilted)
+    whole, place = content.box, (12.0, 7.0)
+    wheel(content, content.pixel(*place), 3)
+    assert content.box[1] - content.box[0] == pytest.approx((whole[1] - whole[0]) / 1.25**3)
+    wheel(content, content.pixel(*place), 2)
+    assert content.data(content.pixel(*place)) == pytest.approx(place)
+    right = [np.allclose(pixel(content, x, y), colour_at(content.bands, slope(x, y)), atol=3) for x, y in NEAR]
+    assert sum(right) >= len(NEAR) - 1
+    wheel(content, content.pixel(*place), 30)
+    assert content.box[1] - content.box[0] == pytest.approx((whole[1] - whole[0]) / CLOSEST)
+    wheel(content, content.pixel(*place), -40)
+    np.testing.assert_allclose(content.box, whole)
+
+
+def test_dragging_shifts_what_is_closer_and_a_double_click_shows_all(qtbot, sphere, tilted, mouse):
+    content, heard = shown(qtbot, sphere, tilted), []
+    whole, left = content.box, Qt.MouseButton.LeftButton
+    wheel(content, content.pixel(5.0, 5.0), 4)
+    at = content.pixel(5.0, 5.0)
+    content.pointed.connect(lambda *read: heard.append(read))
+    mouse(content, QEvent.Type.MouseButtonPress, at.x(), at.y(), left)
+    mouse(content, QEvent.Type.MouseMove, at.x() - 20, at.y() + 15, left)
+    moved = content.pixel(5.0, 5.0)
+    assert (moved.x(), moved.y()) == pytest.approx((at.x() - 20, at.y() + 15))
+    assert not heard
+    for _ in range(200):
+        at += QPointF(10, 0)
+        mouse(content, QEvent.Type.MouseMove, at.x(), at.y(), left)
+    assert content.box[0] == pytest.approx(whole[0])
+    mouse(content, QEvent.Type.MouseButtonRelease, at.x(), at.y(), left)
+    kept = content.box
+    content.show_answer(content.drawn, sphere, PANE)
+    assert content.box == kept
+    mouse(content, QEvent.Type.MouseButtonDblClick, at.x(), at.y(), left)
+    np.testing.assert_allclose(content.box, whole)
 
 
 def test_the_figure_is_the_reports(qtbot, sphere, tilted):

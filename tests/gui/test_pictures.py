@@ -53,6 +53,15 @@ def test_a_scale_is_shared_as_it_is_seen(ready, settle):
         np.testing.assert_allclose(viewport.content.bands.levels[[0, -1]], shown[[0, -1]])
 
 
+def test_a_kept_scale_stays_when_the_map_changes(ready, settle):
+    before = ready.viewports[0].content.bands.levels
+    ready.pictures.act("keep", 0)
+    ready.document.edit("Distance", lambda bench: replace(bench, distance=300.0))
+    settle(ready)
+    levels = ready.viewports[0].content.bands.levels
+    assert (levels[0], levels[-1]) == (before[0], before[-1])
+
+
 def test_the_clipboard_gets_what_is_seen(ready):
     ready.pictures.act("copy", 0)
     image = QGuiApplication.clipboard().image()
