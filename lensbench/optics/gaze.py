@@ -137,7 +137,7 @@ def _through(lens: Lens, wear: Wear, rays: Floats, n: int, within_outline: bool)
     inside, outside, upper, lower = out[:6], out[6:12], out[12:20], out[20:]
     for first in range(0, n, CHUNK):
         count = min(CHUNK, n - first)
-        bends = np.empty((9, count))
+        bends = _rows(9, count)
         back(worn[0], 1.0, lens.index, rays, inside, None, bends, None, first, count)
         front(worn[1], lens.index, 1.0, inside, outside, bends, upper, lower, first, count)
         kernels.trace.finish(worn, lens.index, outline, rays, first, count, out, status)
