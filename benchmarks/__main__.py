@@ -1,4 +1,7 @@
-"""make bench, lensbench bench: measured speed, each figure beside its target; writes reports/bench.json and bench.html."""
+"""make bench, lensbench bench: measured speed, each figure beside its target; writes reports/bench.json and bench.html.
+
+With names of parts (python -m benchmarks growth peak_memory) only these are measured, and nothing is written.
+"""
 
 import sys
 
@@ -18,22 +21,28 @@ from .window import window_latency
 
 # A part measures and returns its figures, or a dict of plain ones by name; add yours here.
 PARTS = (
-    rays_against_peers, map_latency, blur_fields, growth, peak_memory, first_calls, reading_points, report_split,
+    blur_fields, growth, map_latency, rays_against_peers, peak_memory, first_calls, reading_points, report_split,
     view_cost, view_against_real_rays, window_latency,
 )  # fmt: skip
 
 
 def main() -> int:
     """Measure and print a table; with --json print nothing but reports/bench.json."""
-    as_json = "--json" in sys.argv[1:]
+    as_json, names = "--json" in sys.argv[1:], [name for name in sys.argv[1:] if name != "--json"]
+    parts = {part.__name__: part for part in PARTS}
+    if unknown := [name for name in names if name not in parts]:
+        print(f"no part {', '.join(unknown)}; there are {', '.join(parts)}", file=sys.stderr)
+        return 2
     figures: list[Figure] = []
-    for part in PARTS:
+    for part in [parts[name] for name in names] or PARTS:
         found = part()
         measured = [Figure(name, value, "") for name, value in found.items()] if isinstance(found, dict) else found
         figures += measured
         if not as_json:
             print(f"-- {part.__doc__.strip() if part.__doc__ else part.__name__}")
             print("\n".join(figure.line() for figure in measured), flush=True)
+    if names:
+        return 0
     text = to_json(as_data(figures))
     write_file(ROOT / "reports" / "bench.json", text)
     write_file(ROOT / "reports" / "bench.html", as_page(figures))

@@ -9,6 +9,7 @@ slower than single loads, none are used, unless NUMBA_CPU_FEATURES says otherwis
 
 import hashlib
 import os
+import sys
 from pathlib import Path
 
 from llvmlite import binding
@@ -20,7 +21,10 @@ def _cache_folder() -> str:
     for source in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(source.read_bytes())
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return str(base / "lensbench" / f"kernels-{digest.hexdigest()[:16]}")
+    folder = base / "lensbench" / f"kernels-{digest.hexdigest()[:16]}"
+    if not folder.exists() and sys.stderr is not None and sys.stderr.isatty():
+        print("LensBench: compiling for this processor, once; this takes some 15 seconds", file=sys.stderr)
+    return str(folder)
 
 
 if "OMP_WAIT_POLICY" not in os.environ:
