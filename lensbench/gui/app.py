@@ -30,13 +30,12 @@ def start(files: list[Path]) -> int:
 
 def _require_display() -> None:
     """Qt itself aborts where it finds no display."""
-    named = os.environ.get("QT_QPA_PLATFORM", "")
-    if (
-        sys.platform.startswith("linux")
-        and not named
-        and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
-    ):
-        raise LensBenchError(
-            "the window needs a display, and neither DISPLAY nor WAYLAND_DISPLAY is set; `lensbench report` and `lensbench "
-            "view` need none"
-        )
+    if not sys.platform.startswith("linux") or os.environ.get("QT_QPA_PLATFORM", "xcb") != "xcb":
+        return
+    from ..views.offscreen import display_answers
+
+    screen, wayland = os.environ.get("DISPLAY"), os.environ.get("WAYLAND_DISPLAY")
+    if display_answers() or (wayland and "QT_QPA_PLATFORM" not in os.environ):
+        return
+    why = f"no X server answers at DISPLAY={screen}" if screen else "neither DISPLAY nor WAYLAND_DISPLAY is set"
+    raise LensBenchError(f"the window needs a display, and {why}; `lensbench report` and `lensbench view` need none")

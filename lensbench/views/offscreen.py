@@ -33,7 +33,7 @@ def require_gl() -> None:
     if find_spec("vtkmodules") is None:
         raise LensBenchError('pictures need VTK, which is not installed: pip install "lensbench[views]"')
     if sys.platform.startswith("linux"):
-        if not _display_answers():
+        if not display_answers():
             os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", _DISPLAY_FREE)
         _require_libraries(os.environ.get("VTK_DEFAULT_OPENGL_WINDOW", "vtkXOpenGLRenderWindow"))
 
@@ -58,7 +58,7 @@ def _loads(library: str) -> bool:
 
 
 @cache
-def _display_answers() -> bool:
+def display_answers() -> bool:
     """Whether DISPLAY names an X server that takes connections."""
     if not os.environ.get("DISPLAY") or not _loads("libX11.so.6"):
         return False
