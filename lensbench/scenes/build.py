@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -80,9 +81,10 @@ def build_scene(
     solids = [thing.solid for group in things.values() for thing in group] + [p.solid for p in painted]
     standing = [part for _, part in bare] + parts
     caster = Caster([(s.points, s.triangles) for s in standing] + [(s.points, s.triangles) for s in solids])
-    parts += [_lit_panel(panel, part, lights, caster) for panel, part in bare]
-    parts += [_lit_things(group, lights, caster) for group in things.values()]
-    parts += [_lit_paint(piece, lights, caster) for piece in painted]
+    with ThreadPoolExecutor() as pool:  # Embree and numpy compute beside Python
+        parts += pool.map(lambda pair: _lit_panel(pair[0], pair[1], lights, caster), bare)
+        parts += pool.map(lambda group: _lit_things(group, lights, caster), things.values())
+        parts += pool.map(lambda piece: _lit_paint(piece, lights, caster), painted)
     if sum(len(part.triangles) for part in parts) > MOST_TRIANGLES:
         raise InputError(f"{name}: more than {MOST_TRIANGLES} triangles are needed to draw it: simplify its meshes")
     return Scene(name, tuple(parts), looks=dict(looks), about=about, **more)  # type: ignore[arg-type]
