@@ -1,11 +1,12 @@
 """The lane: one thread, of what waits the newest question of each asker wins, errors are sentences, closing waits."""
 
+import math
 import threading
 
 import pytest
 
 from lensbench.errors import InputError
-from lensbench.gui.lane import Lane
+from lensbench.gui.lane import PATIENCE, Lane
 
 
 @pytest.fixture
@@ -115,3 +116,15 @@ def test_closing_while_computing_waits_and_says_nothing(qtbot):
     lane.close()
     qtbot.wait(50)
     assert heard == []
+
+
+def test_refinement_stands_back_while_others_wait_and_while_an_answer_is_drawn(lane, qtbot):
+    assert lane.haste == 0
+    gate, hastes = threading.Event(), []
+    lane.idle.connect(lambda: hastes.append(lane.haste))
+    held(lane, gate)
+    assert lane.haste == PATIENCE
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        gate.set()
+    assert hastes == [math.inf]
+    qtbot.waitUntil(lambda: lane.haste == 0, timeout=1000)
