@@ -1,6 +1,6 @@
 """make bench, lensbench bench: measured speed, each figure beside its target; writes reports/bench.json and bench.html.
 
-With names of parts (python -m benchmarks growth peak_memory) only these are measured, and nothing is written.
+With names of parts (python -m benchmarks growth peak_memory) only these are measured, and no file is written.
 """
 
 import sys
@@ -27,7 +27,7 @@ PARTS = (
 
 
 def main() -> int:
-    """Measure and print a table; with --json print nothing but reports/bench.json."""
+    """Measure and print a table; with --json print nothing but the figures as JSON."""
     as_json, names = "--json" in sys.argv[1:], [name for name in sys.argv[1:] if name != "--json"]
     parts = {part.__name__: part for part in PARTS}
     if unknown := [name for name in names if name not in parts]:
@@ -41,12 +41,14 @@ def main() -> int:
         if not as_json:
             print(f"-- {part.__doc__.strip() if part.__doc__ else part.__name__}")
             print("\n".join(figure.line() for figure in measured), flush=True)
-    if names:
-        return 0
     text = to_json(as_data(figures))
-    write_file(ROOT / "reports" / "bench.json", text)
-    write_file(ROOT / "reports" / "bench.html", as_page(figures))
-    print(text if as_json else f"written: {ROOT / 'reports' / 'bench.json'} and bench.html")
+    if not names:
+        write_file(ROOT / "reports" / "bench.json", text)
+        write_file(ROOT / "reports" / "bench.html", as_page(figures))
+    if as_json:
+        print(text)
+    elif not names:
+        print(f"written: {ROOT / 'reports' / 'bench.json'} and bench.html")
     return 0
 
 

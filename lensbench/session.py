@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from .errors import InputError
-from .formats import load_pair
+from .formats import Contents, lenses_in, read_file
 from .formats.lens_file import OrderTable, material_named
 from .formats.text import read_text
 from .formats.toml_file import Table, validated
@@ -141,7 +141,7 @@ class Workbench:
 
     def with_lens(self, path: Path, side: str = "", material: str = "") -> "Workbench":
         """With the lens in a file added and active, as `with_lens_read`. Raises InputError."""
-        return self.with_lens_read(*read_lens(path, side, material))
+        return self.with_lens_read(*lens_read(read_file(path), side, material))
 
     def with_lens_read(self, added: LensOnTable, told: Wearer | None) -> "Workbench":
         """With a lens added and active, and its wearer, if its file told of one or none was chosen before."""
@@ -174,10 +174,10 @@ class Workbench:
         return replace(self, panes=(*self.panes[:k], pane, *self.panes[k + 1 :]))
 
 
-def read_lens(path: Path, side: str = "", material: str = "") -> tuple[LensOnTable, Wearer | None]:
-    """The lens in a file, and the wearer that the file tells of. Raises InputError."""
-    lens, told = load_pair(path, side, material)[0]
-    return LensOnTable(path, lens, lens, side, material), told
+def lens_read(contents: Contents, side: str = "", material: str = "") -> tuple[LensOnTable, Wearer | None]:
+    """The lens in a file that was read, and the wearer that the file tells of. Raises InputError."""
+    lens, told = lenses_in(contents, side, material)[0]
+    return LensOnTable(contents.path, lens, lens, side, material), told
 
 
 # ---- the session file ----
@@ -297,9 +297,8 @@ def load_session(path: Path) -> tuple[Workbench, str]:
 
 def _lens_on_table(path: Path, entry: LensEntry) -> LensOnTable:
     file = path.parent / entry.file
-    lens, _ = load_pair(file, entry.side, entry.as_material)[0]
+    on_table, _ = lens_read(read_file(file), entry.side, entry.as_material)
     ordered = None if entry.ordered is None else Order(**entry.ordered.model_dump())
-    on_table = LensOnTable(file, lens, lens, entry.side, entry.as_material)
     try:
         return on_table.edited(centre_thickness=entry.centre_thickness, material=entry.material, ordered=ordered)
     except InputError as error:

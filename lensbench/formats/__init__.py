@@ -15,13 +15,15 @@ from .lens_file import material_named
 from .lone_surface import Completion, completed_lenses
 from .own_toml import WEARER_FORMAT
 from .power_map import PowerMap
-from .registry import Writing, read_file, write_format
+from .registry import Contents, Writing, read_file, write_format
 from .surface_data import Reading, chosen
 
 __all__ = [
     "Completion",
+    "Contents",
     "Reading",
     "Writing",
+    "lenses_in",
     "load",
     "load_lens",
     "load_pair",
@@ -55,8 +57,15 @@ def load_pair(
     path: str | Path, side: str = "", material: str = "", told: Completion | None = None
 ) -> tuple[tuple[Lens, Wearer | None], ...]:
     """The lenses of a file (of one side, if it is named), each with its wearer if the file tells of one; see load_lens."""
+    return lenses_in(read_file(path), side, material, told)
+
+
+def lenses_in(
+    contents: Contents, side: str = "", material: str = "", told: Completion | None = None
+) -> tuple[tuple[Lens, Wearer | None], ...]:
+    """The same of a file that was read."""
     chosen = material_named(material) if material else None
-    items = read_file(path).items
+    path, items = contents.path, contents.items
     for item in items:
         if isinstance(item, Lens):
             _needs_no_more(path, told)
@@ -77,11 +86,11 @@ def load_pair(
         told = replace(
             told, reading=replace(told.reading, side=side or told.reading.side), material=chosen or told.material
         )
-        return tuple((lens, None) for lens in completed_lenses(Path(path), held, told))
+        return tuple((lens, None) for lens in completed_lenses(path, held, told))
     raise InputError(f"{path}: holds a {type(items[0]).__name__.lower()}, not a lens")
 
 
-def _needs_no_more(path: str | Path, told: Completion | None) -> None:
+def _needs_no_more(path: Path, told: Completion | None) -> None:
     if told is not None and told != Completion():
         raise InputError(
             f"{path}: holds a whole lens; thickness, radii, diameter, power and orientation are told of lone surface files only"

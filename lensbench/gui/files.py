@@ -15,13 +15,13 @@ from ..formats import read_file
 from ..formats.scene_file import KINDS as MESHES
 from ..optics.eye import Wearer
 from ..scenes.scene import Scene
-from ..session import Workbench, load_session, read_lens, save_session
+from ..session import Workbench, lens_read, load_session, save_session
 
 if TYPE_CHECKING:
     from .main_window import MainWindow
 
 ASKER, ENDING = "file ", ".lensbench.json"
-MOST_RECENT = 9
+MOST_RECENT = 8
 SESSION_FILES = f"Session (*{ENDING})"
 
 
@@ -39,26 +39,27 @@ def read(path: Path) -> FileRead:
         workbench, window = load_session(path)
         return FileRead(path, lambda _bench: workbench, window)
     try:
-        first = read_file(path).items[0]
+        contents = read_file(path)
     except InputError:
         if path.suffix.lower() in MESHES:
             raise InputError(
                 f"{path}: neither a lens; as a scene it needs a scene file that says its unit and place"
             ) from None
         raise
+    first = contents.items[0]
     if isinstance(first, Wearer):
         return FileRead(path, lambda bench: bench.with_wearer(first))
     if isinstance(first, Scene):
         return FileRead(path, lambda bench: replace(bench, scene=str(path.absolute())))
-    lens, told = read_lens(path)
+    lens, told = lens_read(contents)
     return FileRead(path, lambda bench: bench.with_lens_read(lens, told))
 
 
 class Files:
     """Opens and saves. session: the file of the session, once there is one; recent: the menu of what was opened last."""
 
-    def __init__(self, window: "MainWindow", recent: QMenu) -> None:
-        self.window, self.recent = window, recent
+    def __init__(self, window: "MainWindow") -> None:
+        self.window, self.recent = window, QMenu("Open &recent", window)
         self.session: Path | None = None
         self._count = 0
         window.lane.answered.connect(self._answered)

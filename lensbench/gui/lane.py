@@ -33,8 +33,8 @@ class Lane(QObject):
     def __init__(self) -> None:
         super().__init__()
         self._waiting: dict[str, tuple[int, Callable[[], Any]]] = {}
-        self._count, self._dropped = 0, 0
-        self._deaf: dict[str, int] = {}
+        self._count = 0
+        self._dropped: dict[str | None, int] = {}  # up to which number; None: of all askers
         self._running = 0
         self._wake = threading.Condition()
         self._open = True
@@ -56,12 +56,9 @@ class Lane(QObject):
     def drop(self, asker: str | None = None) -> None:
         """Answer nothing more to this asker (None: to all) of what was asked so far."""
         with self._wake:
-            if asker is None:
-                self._waiting.clear()
-                self._dropped = self._count
-            else:
-                self._waiting.pop(asker, None)
-                self._deaf[asker] = self._count
+            for name in list(self._waiting) if asker is None else [asker]:
+                self._waiting.pop(name, None)
+            self._dropped[asker] = self._count
 
     @property
     def busy(self) -> bool:
@@ -107,7 +104,7 @@ class Lane(QObject):
     def _deliver(self, asker: str, number: int, answer: Any, error: Exception | None) -> None:
         with self._wake:
             self._running -= 1
-            dropped = number <= max(self._dropped, self._deaf.get(asker, 0))
+            dropped = number <= max(self._dropped.get(name, 0) for name in (asker, None))
         if not dropped:
             if error is None:
                 self.answered.emit(asker, answer)

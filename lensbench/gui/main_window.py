@@ -12,7 +12,6 @@ from PySide6.QtGui import QAction, QActionGroup, QCloseEvent, QDragEnterEvent, Q
 from PySide6.QtWidgets import (
     QDockWidget,
     QMainWindow,
-    QMenu,
     QMessageBox,
     QPlainTextEdit,
     QTabWidget,
@@ -48,6 +47,7 @@ class MainWindow(QMainWindow):
         self._flip_to: int | None = None
         self._asked: tuple[Any, ...] | None = None
         self.viewports = [Viewport(self.document, self.lane, k) for k in range(max(SPLITS))]
+        self.files = Files(self)
         self.pictures = PictureActions(self)
         self.reports = ReportRunner(self)
         self._central = QWidget()
@@ -97,10 +97,8 @@ class MainWindow(QMainWindow):
 
     def _build_menus(self) -> None:
         file = self.menuBar().addMenu("&File")
-        recent = QMenu("Open &recent", self)
-        self.files = Files(self, recent)
         self._action(file, "&Open…", self.files.ask_open, QKeySequence.StandardKey.Open)
-        file.addMenu(recent)
+        file.addMenu(self.files.recent)
         self._action(file, "&Save session", self.files.ask_save, QKeySequence.StandardKey.Save)
         self._action(file, "Save session &as…", lambda: self.files.ask_save(anew=True), QKeySequence.StandardKey.SaveAs)
         file.addSeparator()

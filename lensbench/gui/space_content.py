@@ -161,9 +161,9 @@ class EllipsesContent(SpaceContent):
                 (corner[1], f"{sheet.depth:g} mm" + (f", ×{factor:g}" if factor != 1 else ""))
                 for corner, (sheet, factor) in zip(corners, sheets, strict=True)
             ]
+            self._sights = wearer, np.concatenate(corners)
             if self._looked != bench.depths:
                 self._looked = bench.depths
-                self._sights = wearer, np.concatenate(corners)
                 self.look_first(plotter)
 
         self.stage.draw(put)

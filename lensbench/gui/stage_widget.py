@@ -108,15 +108,26 @@ class StageWidget(QWidget):
             say_nothing(self, painter, self._empty)
             return
         painter.drawImage(QRectF(self.rect()), self._image)
-        for point, word in self.words:
-            painter.setPen(QColor("#566069"))
-            painter.drawText(self._on_widget(point) + QPointF(6, -4), word)
+        self._draw_words(painter)
         if self.mark is not None and np.isfinite(self.mark).all():
             spot = self._on_widget(self.mark)
             painter.setPen(QPen(MARK, 2))
             painter.drawEllipse(spot, 6, 6)
             painter.drawLine(spot - QPointF(11, 0), spot + QPointF(11, 0))
             painter.drawLine(spot - QPointF(0, 11), spot + QPointF(0, 11))
+
+    def _draw_words(self, painter: QPainter) -> None:
+        """Each beside its point, or above what is written there."""
+        painter.setPen(QColor("#566069"))
+        taken: list[QRectF] = []
+        for point, word in self.words:
+            box = QRectF(painter.fontMetrics().boundingRect(word))
+            box.moveBottomLeft(self._on_widget(point) + QPointF(6, -2))
+            while any(box.intersects(other) for other in taken):
+                box.translate(0, -box.height())
+            taken.append(box)
+            painter.fillRect(box, QColor(255, 255, 255, 190))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextDontClip, word)
 
     def _on_widget(self, point: Floats) -> QPointF:
         x, y = in_view(self.stage, np.asarray(point)[None])[0]

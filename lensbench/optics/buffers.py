@@ -7,7 +7,10 @@ import numpy as np
 
 from .conventions import Floats
 
-LEAST, MOST = 1 << 17, 1 << 23  # numbers: smaller arrays come cleared from the heap already, larger ones are not kept
+LEAST, MOST = (
+    1 << 17,
+    1 << 23,
+)  # numbers: smaller ones come from pages that the heap keeps, larger ones are too much to keep
 _spare: deque[Floats] = deque(maxlen=2)
 
 

@@ -180,8 +180,7 @@ def _isolines(layer: pv.PolyData, bands: Bands) -> list[pv.Actor]:
 
 def _marks(lens: Lens, pose: WornPose) -> list[pv.Actor]:
     """The reference marks on the front surface, dark upon white."""
-    marks = [(name, point) for name, point in lens.points.named().items()]
-    found = []
+    marks, found = lens.points.named().items(), []
     for colour, width, height in (("white", 5.5, 0.12), (INK, 2.2, 0.2)):
         lines = [_mark(lens, pose, *shape, height) for mark in marks for shape in _shapes(*mark)]
         there = [pv.lines_from_points(line) for line in lines if np.isfinite(line).all()]

@@ -56,6 +56,13 @@ def settle(qtbot):
 
 
 @pytest.fixture
+def ready(window, settle):
+    """The window with all its pictures."""
+    settle(window)
+    return window
+
+
+@pytest.fixture
 def open_files(qtbot):
     """Open files in a window, and wait until they are read."""
 

@@ -11,12 +11,6 @@ from lensbench.gui.pictures import ScaleDialog
 from lensbench.session import Pane
 
 
-@pytest.fixture
-def ready(window, settle):
-    settle(window)
-    return window
-
-
 def test_a_scale_is_set_and_undone(ready):
     ready.pictures.set_scale(0, -8.0, 0.0, 0.5)
     assert ready.document.workbench.panes[0] == replace(Pane("map"), low=-8.0, high=0.0, step=0.5)
