@@ -1,6 +1,5 @@
-"""The blur field of a view frustum: the paper's two schemes (tests/kakimoto.py) and ours, at the sizes of its Table 3."""
+"""The blur field of a view frustum: the paper's two schemes and ours, at the sizes of its Table 3."""
 
-import sys
 from collections.abc import Callable
 from functools import partial
 
@@ -12,11 +11,9 @@ from lensbench.optics.field import GazeField
 from lensbench.optics.lens import Lens
 from lensbench.optics.voxels import blur_on_planes
 
+from . import kakimoto
 from .figures import Figure
 from .timing import ROOT, rounds
-
-sys.path.append(str(ROOT / "tests"))
-import kakimoto
 
 SIZES = ((32, 64), (32, 128), (32, 256), (64, 128), (64, 256))
 MODELS = {"toric": "toric_R", "progressive": "regular_R"}
@@ -43,7 +40,7 @@ class Job:
         self.z = wearer.centre_of_rotation[2] + 1 / np.linspace(1 / 200, 1 / 10000, planes)
         self.voxels = np.empty((2, 2, n * n, planes), dtype=np.float32)
         self.rows, self.eye = kakimoto.chief_rays(self.field()), kakimoto.eye_of(wearer)
-        self.columns = np.empty((16, n * n))
+        self.columns = np.empty((12, n * n))
 
     def field(self) -> GazeField:
         """Ours: the gaze field, from which any voxel follows."""
@@ -59,8 +56,8 @@ class Job:
         kakimoto.previous(self.rows, self.lens.index, self.eye, self.z, None, out)
 
     def table_2(self) -> None:
-        """The paper's Table 2: the conoid of each ray, then eq. 9 to 12 for every voxel."""
-        kakimoto.conoid_rays(self.rows, self.lens.index, self.eye, None, self.columns)
+        """The paper's Table 2: the conoid of each ray, then eq. 10 and 12 for every voxel."""
+        kakimoto.conoid_rays(self.rows, self.lens.index, self.eye, (None, kakimoto.PROJECTED), self.columns)
         kakimoto.conoid_voxels(self.columns, self.z, self.voxels.reshape(4, self.z.size, -1))
 
     def table_1_tuned(self) -> None:
@@ -70,7 +67,7 @@ class Job:
 
     def table_2_tuned(self) -> None:
         """Table 2 by roots for angles, ray by ray, and the voxels in single precision."""
-        kakimoto.conoid_rays(self.rows, self.lens.index, self.eye, True, self.columns)
+        kakimoto.conoid_rays(self.rows, self.lens.index, self.eye, (True, kakimoto.PROJECTED), self.columns)
         columns, z = self.columns.astype(np.float32), self.z.astype(np.float32)
         kakimoto.conoid_voxels_by_ray(columns, z, self.voxels.reshape(4, -1, z.size))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lensbench as lb
-from benchmarks import conoid
+from benchmarks import schemes
 from benchmarks.figures import Figure, as_data, as_page
 from lensbench.cli import machine, main
 
@@ -43,8 +43,8 @@ def test_bench_needs_a_checkout(tmp_path, monkeypatch, capsys):
 
 
 def test_real_ellipses_of_a_tiny_pupil_are_those_of_the_field():
-    lens, wearer = conoid.cases()["toric -2.00 -1.50 x 20, its eye"]
+    lens, wearer = schemes.cases()["toric -2.00 -1.50 x 20, its eye"]
     wearer = replace(wearer, eye=replace(wearer.eye, pupil_diameter=0.1))
     field = lb.trace(lens, wearer, lb.GazeGrid(3, 3, 0.3, 0.3))
-    ours = conoid.sizes(field.blur(conoid.distance(field, 780.0)))
-    np.testing.assert_allclose(conoid.real_ellipses(field, 780.0), ours, rtol=1e-4)
+    ours = schemes.sizes(field.blur(schemes.distance(field, 780.0)))
+    np.testing.assert_allclose(schemes.real_ellipses(field, 780.0), ours, rtol=1e-4)

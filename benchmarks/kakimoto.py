@@ -1,23 +1,25 @@
 """The two schemes of Kakimoto, Tatsukawa & Nishita 2010, "An Eyeglass Simulator Using Conoid Tracing", to measure against.
 
-Table 1 (previous, as in their work of 2007): for each voxel a wave from the object point through the lens to the retina, by
-    principal curvatures and directions (Kneisly 1964; Mitchell & Hanrahan 1992); the ellipse on the retina is scaled to
-    the object.
-Table 2 (conoid): for each ray a wave and the spread of light from the pupil to the front surface, relaxed and fully
-    accommodated; for each voxel the spread after the way to it (eq. 9 to 11), mixed so that accommodation cancels the sum of
-    the signed semi-axes (eq. 12).
+Table 1 (previous, as in their work of 2007): for each voxel a wave from the object point through the lens to the retina; the
+    ellipse on the retina is scaled to the object.
+Table 2 (conoid): for each ray a wave and the spread of light (a conoid) from the pupil to the front surface, for the relaxed
+    and for the tense eye; for each voxel both spreads after the way to it, mixed.
 
-We know the method from accounts of it, not from the paper's own text. What stands here for its equations is our reading:
-    (9)  k' = k / (1 - d k): the curvature k of a wave (1/mm, positive: converging) after the way d, in both meridians
-    (10) a' = a k / k': the spread's semi-axis a in a meridian of the wave; 0/0 for a plane wave
-    (11) where the spread's axes are turned by w against the wave's: b_1 = a_1 cos^2 w + a_2 sin^2 w and so on, (10), and
-         solved for a_1', a_2' in the spread's old axes: a division by cos 2w, and the turn of the axes is dropped
-    (12) a = (1 - t) a_relaxed + t a_tense, t within 0 and 1 so that a_1 + a_2 = 0; on the axes of the relaxed eye
+Their equations, k: principal curvatures of a wave (1/mm, positive: converging), e: its principal directions, a: signed
+semi-axes of the conoid, which always lie along the wave's e:
+    (1)  k' = k / (1 - d k) after the way d            (2)-(6)  the wave at a surface          (8)  the eye, a thin toric lens
+    (9)  a1 = a2 = the pupil's radius                  (10) a' = a k / k', which by (1) is a (1 - d k); so written: k may be 0
+    (11) at a surface, E = 1 / a^2, x and y of the tangent plane: e1x'^2 E1' + e2x'^2 E2' = e1x^2 E1 + e2x^2 E2, and so along y
+    (12) a = (1 - t) a_relaxed + t a_tense, t within 0 and 1, so that a1 + a2 = 0
+Left open there, and taken here: how x of (11) is turned about the normal (READINGS, the first unless another is asked for);
+    which axis of the tense eye goes with which of the relaxed (the nearer one); whose directions the mixed ellipse has (the
+    relaxed eye's); the formula of the two ratios, horizontal and vertical, by which Table 1 scales (cosine of incidence over
+    cosine of refraction, as angles between rays grow at one refraction, at the front surface; the kindest of those tried).
 Structure of arrays, prange and fastmath as in the product's kernels. The chief rays and the surfaces' curvatures where they
 pass (step 1 of both tables) are made by `chief_rays`; they are not timed, as in the paper.
 
-Light of Table 1 runs to the eye, that of Table 2 to the scene; d0, d1: directions before and after a surface; normals along
-the light; curvatures of waves and surfaces positive with the centre ahead of the light; mm.
+Light of Table 1 runs to the eye, that of Table 2 to the scene; way: directions before and after a surface; normals along the
+light; curvatures of waves and surfaces positive with the centre ahead of the light; mm.
 """
 
 import math
@@ -31,8 +33,13 @@ from lensbench.optics.gaze import worn_pose
 FAST = {"contract", "nsz"}
 inline = nb.njit(cache=True, error_model="numpy", fastmath=FAST, forceinline=True)
 kernel = nb.njit(nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FAST)
-ZERO, HALF, ONE = np.float32(0), np.float32(0.5), np.float32(1)  # of the width of what they meet
+ZERO, ONE = np.float32(0), np.float32(1)  # of the width of what they meet
 EYE_LENGTH = 17.0  # mm, of the reduced eye in air; it cancels
+READINGS = PROJECTED, INCIDENCE, WORLD = (
+    0,
+    1,
+    2,
+)  # x of (11): along e1' after the surface, in the plane of incidence, world's x
 
 # Rows of the chief rays: direction at the eye, in the lens, in the scene; of each surface the normal (+z), the principal
 # curvatures (centre on the scene's side positive) and the first principal direction; the ways from the pupil to the back
@@ -151,11 +158,11 @@ def axes_of(kp, kq, kpq, roots):
 
 
 @inline
-def refracted(k1, k2, e, d0, d1, n0, n1, met, roots):
-    """The wave after a surface: curvatures and first principal direction."""
-    normal, s1, s2, es = met
+def refracted(wave, way, mu, met, roots):
+    """Eq. 3 to 6: the wave (k1, k2, e1) after a surface."""
+    (k1, k2, e), (d0, d1), (normal, s1, s2, es) = wave, way, met
     p = across_plane_of_incidence(normal, d0, e)
-    c0, c1, mu = dot(normal, d0), dot(normal, d1), n0 / n1
+    c0, c1 = dot(normal, d0), dot(normal, d1)
     gamma = c1 - mu * c0
     kp, kq, kpq = in_plane(k1, k2, e, p, cross(d0, p))
     sp, sq, spq = in_plane(s1, s2, es, p, cross(normal, p))
@@ -166,9 +173,9 @@ def refracted(k1, k2, e, d0, d1, n0, n1, met, roots):
 
 
 @inline
-def propagated(k, d):
-    """Eq. 9."""
-    return k / (ONE - d * k)
+def transferred(wave, d):
+    """Eq. 1: the wave after the way d."""
+    return wave[0] / (1 - d * wave[0]), wave[1] / (1 - d * wave[1]), wave[2]
 
 
 @inline
@@ -184,27 +191,44 @@ def best_mix(r1, r2, t1, t2):
 
 
 @inline
+def cosine(d, normal, across):
+    """Of the angle between a direction and the normal, seen along the third axis of the plane of normal and across."""
+    along, aside = dot(d, normal), dot(d, across)
+    return along / math.sqrt(along * along + aside * aside)
+
+
+@inline
+def scaling(d_eye, d_scene, normal):
+    """Step 11: the ratios, horizontal and vertical, of a ray that is refracted once."""
+    e1, e2 = listing(normal)
+    return (
+        cosine(d_eye, normal, e1) / cosine(d_scene, normal, e1),
+        cosine(d_eye, normal, e2) / cosine(d_scene, normal, e2),
+    )
+
+
+@inline
 def previous_voxel(rows, i, index, eye, depth, roots):
-    """Steps 2 to 9 of one voxel: the images of the pupil's axes at the object, 2 x 2 row by row, mm."""
+    """Steps 2 to 11 of one voxel: the images of the pupil's axes at the object, 2 x 2 row by row, mm."""
     radius, r11, r12, r22, amplitude = eye
     d2, d1, d0 = opposite(vector(rows, SCENE, i)), opposite(vector(rows, INSIDE, i)), opposite(vector(rows, EYE, i))
     normal_f, f1, f2, ef = surface(rows, FRONT, i)
     normal_b, b1, b2, eb = surface(rows, BACK, i)
     to_eye, within = rows[WAYS, i], rows[WAYS + 1, i]
     s = (rows[HEIGHT, i] - depth) / d2[2]
-    k, e = -1 / s, listing(opposite(d2))[0]  # the wave from the object point
-    k1, k2, e = refracted(k, k, e, d2, d1, 1.0, index, (opposite(normal_f), -f1, -f2, ef), roots)
-    k1, k2 = propagated(k1, within), propagated(k2, within)
-    k1, k2, e = refracted(k1, k2, e, d1, d0, index, 1.0, (opposite(normal_b), -b1, -b2, eb), roots)
-    k1, k2 = propagated(k1, to_eye), propagated(k2, to_eye)
+    wave = -1 / s, -1 / s, listing(opposite(d2))[0]  # from the object point
+    wave = transferred(refracted(wave, (d2, d1), 1 / index, (opposite(normal_f), -f1, -f2, ef), roots), within)
+    wave = transferred(refracted(wave, (d1, d0), index, (opposite(normal_b), -b1, -b2, eb), roots), to_eye)
     e1, e2 = listing(opposite(d0))
-    kp, kq, kpq = in_plane(k1, k2, e, e1, e2)  # refracted by the relaxed eye, whose power is 1 / length - R
+    kp, kq, kpq = in_plane(wave[0], wave[1], wave[2], e1, e2)  # and the relaxed eye, whose power is 1 / length - R
     k1, k2, c, t = axes_of(kp + 1 / EYE_LENGTH - r11, kq + 1 / EYE_LENGTH - r22, kpq - r12, roots)
     a1, a2 = radius * (1 - EYE_LENGTH * k1), radius * (1 - EYE_LENGTH * k2)  # the spread on the retina
     less = radius * EYE_LENGTH * amplitude
     a1, a2 = best_mix(a1, a2, a1 - less, a2 - less)
     scale = (s + within + to_eye) / EYE_LENGTH  # from the retina to the object
-    return scale * a1 * c, -scale * a2 * t, scale * a1 * t, scale * a2 * c
+    h, v = scaling(opposite(d0), opposite(d2), normal_f)
+    h, v = h * scale, v * scale
+    return h * a1 * c, -h * a2 * t, v * a1 * t, v * a2 * c
 
 
 @kernel
@@ -229,71 +253,87 @@ def previous_by_ray(rows, index, eye, depths, roots, out):
 
 
 @inline
-def spread(a1, a2, c, s, k1, k2, d):
-    """Eq. 10 and 11: semi-axes after the way d; c, s: cosine and sine of the wave's first axis against the spread's."""
-    cc, ss = c * c, s * s
-    b1 = (a1 * cc + a2 * ss) * (k1 / propagated(k1, d))
-    b2 = (a1 * ss + a2 * cc) * (k2 / propagated(k2, d))
-    k = ONE / (cc - ss)
-    return (b1 * cc - b2 * ss) * k, (b2 * cc - b1 * ss) * k
+def tangent_axes(along, normal):
+    """x, y of the tangent plane, x the projection of a vector."""
+    d = dot(along, normal)
+    x = along[0] - d * normal[0], along[1] - d * normal[1], along[2] - d * normal[2]
+    k = 1 / math.sqrt(dot(x, x))
+    x = x[0] * k, x[1] * k, x[2] * k
+    return x, cross(normal, x)
 
 
 @inline
-def spread_refracted(a1, a2, f, d0, d1, normal, roots):
-    """Semi-axes and first axis of the spread after a surface, on which its footprint is kept."""
-    p = across_plane_of_incidence(normal, d0, f)
-    ratio = dot(normal, d1) / dot(normal, d0)
-    c, s = dot(f, p), dot(f, cross(d0, p))
-    xx, xy, yx, yy = a1 * c, -a2 * s, ratio * a1 * s, ratio * a2 * c
-    b1, b2, c, s = axes_of(xx * xx + xy * xy, yx * yx + yy * yy, xx * yx + xy * yy, roots)
-    return math.sqrt(b1), math.sqrt(b2), mix(c, p, s, cross(d1, p))
+def conoid_refracted(spread, directions, way, normal, reading):
+    """Eq. 11: the semi-axes after a surface; directions: e1 of the wave before and after."""
+    (a1, a2), (e, f), (d0, d1) = spread, directions, way
+    if reading == PROJECTED:
+        along = f
+    elif reading == INCIDENCE:
+        along = cross(normal, across_plane_of_incidence(normal, d0, e))
+    else:
+        along = ONE, ZERO, ZERO
+    x, y = tangent_axes((along[0], along[1], along[2]), normal)
+    e2, f2 = cross(d0, e), cross(d1, f)
+    ex, ey, e2x, e2y = dot(e, x) ** 2, dot(e, y) ** 2, dot(e2, x) ** 2, dot(e2, y) ** 2
+    fx, fy, f2x, f2y = dot(f, x) ** 2, dot(f, y) ** 2, dot(f2, x) ** 2, dot(f2, y) ** 2
+    big1, big2 = 1 / (a1 * a1), 1 / (a2 * a2)
+    on_x, on_y = ex * big1 + e2x * big2, ey * big1 + e2y * big2
+    k = 1 / (fx * f2y - f2x * fy)
+    big1, big2 = (f2y * on_x - f2x * on_y) * k, (fx * on_y - fy * on_x) * k
+    return math.copysign(1 / math.sqrt(big1), a1), math.copysign(1 / math.sqrt(big2), a2)
 
 
 @inline
-def wave_and_spread(rows, i, index, eye, accommodation, roots):
-    """A state of accommodation from the pupil to the scene: curvatures, semi-axes and first axes of wave and spread."""
-    radius, r11, r12, r22, _ = eye
-    d0, d1, d2 = vector(rows, EYE, i), vector(rows, INSIDE, i), vector(rows, SCENE, i)
+def grown(spread, wave, d):
+    """Eq. 10: the semi-axes after the way d."""
+    return spread[0] * (1 - d * wave[0]), spread[1] * (1 - d * wave[1])
+
+
+@inline
+def conoid_state(rows, i, index, pupil, choices):
+    """Table 2, steps 6 to 9 in one state of accommodation: wave and semi-axes in front of the lens.
+
+    pupil: curvatures of the wave there, cosine and sine of its first direction, pupil radius. choices: roots, reading.
+    """
+    (k1, k2, c, s, radius), (roots, reading) = pupil, choices
+    inward, outward = (vector(rows, EYE, i), vector(rows, INSIDE, i)), (vector(rows, INSIDE, i), vector(rows, SCENE, i))
     back, front = surface(rows, BACK, i), surface(rows, FRONT, i)
-    to_back, within = rows[WAYS, i], rows[WAYS + 1, i]
-    e1, e2 = listing(d0)
-    k1, k2, c, s = axes_of(accommodation - r11, accommodation - r22, -r12, roots)
-    e = f = mix(c, e1, s, e2)
-    a1, a2 = spread(radius, radius, 1.0, 0.0, k1, k2, to_back)
-    k1, k2, e = refracted(propagated(k1, to_back), propagated(k2, to_back), e, d0, d1, 1.0, index, back, roots)
-    a1, a2, f = spread_refracted(a1, a2, f, d0, d1, back[0], roots)
-    a1, a2 = spread(a1, a2, dot(e, f), dot(e, cross(d1, f)), k1, k2, within)
-    k1, k2, e = refracted(propagated(k1, within), propagated(k2, within), e, d1, d2, index, 1.0, front, roots)
-    a1, a2, f = spread_refracted(a1, a2, f, d1, d2, front[0], roots)
-    return k1, k2, a1, a2, e, f
+    e1, e2 = listing(inward[0])
+    wave = k1, k2, mix(c, e1, s, e2)
+    a = grown((radius, radius), wave, rows[WAYS, i])
+    wave, old = refracted(transferred(wave, rows[WAYS, i]), inward, 1 / index, back, roots), wave[2]
+    a = grown(conoid_refracted(a, (old, wave[2]), inward, back[0], reading), wave, rows[WAYS + 1, i])
+    wave, old = refracted(transferred(wave, rows[WAYS + 1, i]), outward, index, front, roots), wave[2]
+    return wave, conoid_refracted(a, (old, wave[2]), outward, front[0], reading)
 
 
 @kernel
-def conoid_rays(rows, index, eye, roots, columns):
-    """Table 2, what is done for each ray: columns (16, n) as the voxels take them.
+def conoid_rays(rows, index, eye, choices, columns):
+    """Table 2, what is done for each ray: columns (12, n) as the voxels take them. choices: roots, reading.
 
-    z of the origin, 1 / z of the direction, cosine and sine of the relaxed spread's first axis in the frame across the ray;
-    of the relaxed and of the tense eye k1, k2, a1, a2, cosine and sine of the wave's axis against the spread's.
+    z of the origin, 1 / z of the direction, cosine and sine of the relaxed wave's e1 in the frame across the ray; of the
+    relaxed and of the tense eye a1, a2, k1 a1, k2 a2.
     """
+    radius, r11, r12, r22, amplitude = eye
+    k1, k2, c, s = axes_of(-r11, -r22, -r12, choices[0])  # steps 2 to 5, the same for every ray
     for i in nb.prange(rows.shape[1]):
         d = vector(rows, SCENE, i)
         e1, e2 = listing(d)
-        k1, k2, a1, a2, e, f = wave_and_spread(rows, i, index, eye, 0.0, roots)
-        columns[0, i], columns[1, i], columns[2, i], columns[3, i] = rows[HEIGHT, i], 1 / d[2], dot(f, e1), dot(f, e2)
-        columns[4, i], columns[5, i], columns[6, i], columns[7, i] = k1, k2, a1, a2
-        columns[8, i], columns[9, i] = dot(e, f), dot(e, cross(d, f))
-        k1, k2, a1, a2, e, f = wave_and_spread(rows, i, index, eye, eye[4], roots)
-        columns[10, i], columns[11, i], columns[12, i], columns[13, i] = k1, k2, a1, a2
-        columns[14, i], columns[15, i] = dot(e, f), dot(e, cross(d, f))
+        wave, a = conoid_state(rows, i, index, (k1, k2, c, s, radius), choices)
+        tense, b = conoid_state(rows, i, index, (k1 + amplitude, k2 + amplitude, c, s, radius), choices)
+        near = abs(dot(wave[2], tense[2])) >= abs(dot(wave[2], cross(d, tense[2])))
+        b1, b2, t1, t2 = (b[0], b[1], tense[0], tense[1]) if near else (b[1], b[0], tense[1], tense[0])
+        columns[0, i], columns[1, i] = rows[HEIGHT, i], 1 / d[2]
+        columns[2, i], columns[3, i] = dot(wave[2], e1), dot(wave[2], e2)
+        columns[4, i], columns[5, i], columns[6, i], columns[7, i] = a[0], a[1], a[0] * wave[0], a[1] * wave[1]
+        columns[8, i], columns[9, i], columns[10, i], columns[11, i] = b1, b2, b1 * t1, b2 * t2
 
 
 @inline
 def conoid_voxel(c, i, depth):
-    """Eq. 9 to 12 of one voxel: the images of the pupil's axes, 2 x 2 row by row, mm."""
+    """Eq. 10 and 12 of one voxel: the images of the pupil's axes, 2 x 2 row by row, mm."""
     s = (depth - c[0, i]) * c[1, i]
-    r1, r2 = spread(c[6, i], c[7, i], c[8, i], c[9, i], c[4, i], c[5, i], s)
-    t1, t2 = spread(c[12, i], c[13, i], c[14, i], c[15, i], c[10, i], c[11, i], s)
-    a1, a2 = best_mix(r1, r2, t1, t2)
+    a1, a2 = best_mix(c[4, i] - s * c[6, i], c[5, i] - s * c[7, i], c[8, i] - s * c[10, i], c[9, i] - s * c[11, i])
     return a1 * c[2, i], -a2 * c[3, i], a1 * c[3, i], a2 * c[2, i]
 
 
