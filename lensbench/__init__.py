@@ -44,6 +44,9 @@ _HOME = {
     "front_vertex_power": "optics.lensmeter",
     "surface_power": "optics.lensmeter",
     "verification": "optics.tolerances",
+    "load_tolerances": "formats.tolerance_file",
+    "verification_power": "optics.compensation",
+    "power_as_worn": "optics.compensation",
     "model_distance": "optics.object_distance",
     "Status": "optics.conventions",
 }

@@ -12,7 +12,7 @@ from .optics.eye import Wearer
 from .optics.field import Accommodation
 from .optics.lens import Lens
 from .optics.lens_edge import LensEdge
-from .optics.tolerances import ToleranceLine
+from .optics.tolerances import Tolerances, Verification
 from .scenes.scene import Part, Scene
 
 # ---- layers: what can be asked for ----
@@ -49,7 +49,12 @@ class PointsLayer:
 
 @dataclass(frozen=True, slots=True)
 class VerificationLayer:
-    """Focimeter readings against the order with tolerances: see optics.tolerances."""
+    """Focimeter readings against the verification power or the order: see optics.tolerances.
+
+    tolerances: the table; None: the package's newest edition of ANSI Z80.1.
+    """
+
+    tolerances: Tolerances | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -431,7 +436,8 @@ Result = (
     LensMap
     | Profile
     | tuple[PointReading, ...]
-    | tuple[ToleranceLine, ...]
+    | Verification
+    | None
     | RealRays
     | DistortionGrid
     | tuple[EllipseSheet, ...]

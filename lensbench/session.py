@@ -65,7 +65,7 @@ class LensOnTable:
         if edits.material is not None:
             lens = replace(lens, material=material_named(edits.material))
         if edits.ordered is not None:
-            lens = replace(lens, ordered=edits.ordered)
+            lens = replace(lens, ordered=edits.ordered, verification_power=None)
         if edits.centre_thickness is not None:
             lens = replace(lens, centre_thickness=edits.centre_thickness)
             edge = lens.minimum_edge_thickness()

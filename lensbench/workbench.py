@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from . import seen
 from .against import deviation
 from .errors import InputError
+from .formats.tolerance_file import load_tolerances
 from .layers import (
     AgainstLayer,
     DefocusLayer,
@@ -40,6 +41,7 @@ from .layers import (
     VoxelField,
     VoxelLayer,
 )
+from .optics.compensation import verification_power
 from .optics.conventions import Floats, Status, astigmatism, mean_power, rotation_xy
 from .optics.distortion import seen_chart
 from .optics.eye import Eye, Wear, Wearer
@@ -53,7 +55,7 @@ from .optics.gaze import (
 from .optics.lens import Lens, Order, Outline
 from .optics.object_distance import model_distance
 from .optics.ordered import wearer_as_ordered
-from .optics.tolerances import ToleranceLine, verification
+from .optics.tolerances import Verification, verification
 from .optics.voxels import blur_on_planes, distance_to_plane
 from .probe import read_probe
 from .quantities import QUANTITIES
@@ -217,9 +219,17 @@ def reference_readings(layer: PointsLayer, request: Request) -> tuple[PointReadi
 
 
 @_answer.register
-def verified_lines(layer: VerificationLayer, request: Request) -> tuple[ToleranceLine, ...]:
-    """Focimeter readings against the order; none for a lens without an order."""
-    return verification(_needed_lens(request))
+def verified(layer: VerificationLayer, request: Request) -> Verification | None:
+    """Focimeter readings against the verification power or the order, and what the order is verified as in this wear; None
+    for a lens without either."""
+    lens = _needed_lens(request)
+    found = verification(lens, layer.tolerances or load_tolerances())
+    if found is None or lens.ordered is None:
+        return found
+    try:
+        return replace(found, compensated=verification_power(lens, request.wearer, lens.ordered).verification_power)
+    except InputError:
+        return found
 
 
 @_answer.register

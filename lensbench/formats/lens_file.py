@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -300,6 +300,21 @@ class OrderTable(Table):
     prism_base: float = Field(0.0, ge=0, le=360)
 
 
+class VerificationTable(Table):
+    """Power to verify by focimeter where it is not the order; what is left out is as ordered."""
+
+    sphere: float | None = Field(None, ge=-40, le=40)
+    cylinder: float | None = Field(None, ge=-20, le=20)
+    axis: float | None = Field(None, ge=0, le=180)
+    addition: float | None = Field(None, ge=-5, le=5)
+    prism: float | None = Field(None, ge=0, le=20)
+    prism_base: float | None = Field(None, ge=0, le=360)
+
+    def build(self, ordered: Order | None) -> Order:
+        """The whole power."""
+        return replace(ordered or Order(), **self.model_dump(exclude_none=True))
+
+
 class LensTable(Table):
     """The whole file."""
 
@@ -314,6 +329,7 @@ class LensTable(Table):
     back: AnySurface
     points: PointsTable = PointsTable()
     ordered: OrderTable | None = None
+    verification: VerificationTable | None = None
 
 
 def build_lens(path: Path, data: dict[str, Any]) -> Lens:
@@ -321,6 +337,7 @@ def build_lens(path: Path, data: dict[str, Any]) -> Lens:
     table = validated(path, data, LensTable)
     material = Material(**table.material.model_dump())
     index = material.index(table.wavelength)
+    ordered = None if table.ordered is None else Order(**table.ordered.model_dump())
     lens = Lens(
         front=table.front.build(Face("front", table.side, index, path.parent)),
         back=table.back.build(Face("back", table.side, index, path.parent)),
@@ -330,7 +347,8 @@ def build_lens(path: Path, data: dict[str, Any]) -> Lens:
         side=table.side,
         wavelength=table.wavelength,
         points=Points(**table.points.model_dump()),
-        ordered=None if table.ordered is None else Order(**table.ordered.model_dump()),
+        ordered=ordered,
+        verification_power=None if table.verification is None else table.verification.build(ordered),
         name=table.name or path.stem,
     )
     _check_points(path, lens)

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -37,8 +38,9 @@ def _text(lens: Lens) -> str:
         "outline": _outline(lens.outline),
     }
     tables = {"front": _table(lens.front, lens), "back": _table(lens.back, lens), "points": _points(lens)}
-    if lens.ordered is not None:
-        tables["ordered"] = {name: getattr(lens.ordered, name) for name in lens.ordered.__dataclass_fields__}
+    for name, power in (("ordered", lens.ordered), ("verification", lens.verification_power)):
+        if power is not None:
+            tables[name] = asdict(power)
     lines = [f"{key} = {_value(value)}" for key, value in head.items()]
     for name, table in tables.items():
         lines += ["", f"[{name}]", *(f"{key} = {_value(value)}" for key, value in table.items())]

@@ -23,6 +23,7 @@ from .body import USUAL_DIAMETER
 from .lens_file import check_body
 from .registry import read_file
 from .surface_data import Reading
+from .vca_powers import POWER_RANGES, Powers, powers_of
 from .vca_records import SIDES, Records
 
 FACES = {"F": "front", "B": "back"}
@@ -34,14 +35,13 @@ LENS_KINDS = {  # LMATTYPE
 NASAL = {"R": 1.0, "L": -1.0}
 NAMES = {"R": "right", "L": "left"}
 RANGES = {
-    "SPH": (-40, 40), "CYL": (-20, 20), "AX": (0, 180), "ADD": (0, 5), "PRVM": (0, 20), "PRVA": (0, 360),
+    **POWER_RANGES,
     "IPD": (10, 50), "NWD": (1, 2000), "OCHT": (0, 80), "SEGHT": (0, 80), "HBOX": (5, 120), "VBOX": (5, 120),
     "DBL": (1, 60), "FCSGIN": (-40, 40), "FCSGUP": (-40, 40), "FCOCIN": (-40, 40), "FCOCUP": (-40, 40),
     "PANTO": (-45, 45), "ZTILT": (-45, 45), "BVD": (1, 40), "LIND": (1.3, 2.2), "TIND": (1.3, 2.2),
     "CTHICK": (0.1, 50), "FRNT": (-1e5, 1e5), "BACK": (-1e5, 1e5), "DIA": (5, 150), "CRIB": (5, 150),
     "CORRLEN": (3, 40), "INSET": (-10, 10), "BCSGIN": (-30, 30), "BCSGUP": (-40, 40), "ERDRIN": (-30, 30),
-    "ERDRUP": (-40, 40), "ERNRIN": (-30, 30), "ERNRUP": (-40, 40), "LDDRSPH": (-40, 40), "LDDRCYL": (-20, 20),
-    "LDDRAX": (0, 180), "LDNRSPH": (-40, 40), "LDADD": (-5, 5),
+    "ERDRUP": (-40, 40), "ERNRIN": (-30, 30), "ERNRUP": (-40, 40),
 }  # fmt: skip
 UNDERSTOOD = {*RANGES, "DO", "JOB", "LDPATH", "LMATTYPE", "LNAM"}
 
@@ -57,7 +57,7 @@ class Job:
     said: list[tuple[str, str, object]] = field(default_factory=list)
     lenses: dict[str, Lens] = field(default_factory=dict)
     wearers: dict[str, Wearer] = field(default_factory=dict)
-    parts: "dict[str, tuple[Eyeside, Order, list[Any]]]" = field(default_factory=dict)
+    parts: "dict[str, tuple[Eyeside, Powers, list[Any]]]" = field(default_factory=dict)
     unplaced: dict[str, str] = field(default_factory=dict)
 
     def facts(self) -> list[tuple[str, str, object]]:
@@ -148,14 +148,14 @@ def read(path: Path) -> tuple[Job | Lens | Wearer, ...]:
     job = Job(path)
     for side in _sides(records):
         eye = Eyeside(records, side, job)
-        order = _order(eye)
-        job.wearers[side] = _wearer(eye, order)
+        powers = powers_of(eye)
+        job.wearers[side] = _wearer(eye, powers.order)
         held = _held(eye, _surface_file(records, side))
         if not held:
             continue
-        job.parts[side] = eye, order, held
+        job.parts[side] = eye, powers, held
         try:
-            job.lenses[side] = _lens(eye, order, held, Reading())
+            job.lenses[side] = _lens(eye, powers, held, Reading())
         except Unplaced as error:
             job.unplaced[side] = str(error)
             eye.say("Lens", f"none: {error}")
@@ -173,19 +173,6 @@ def _sides(records: Records) -> tuple[str, ...]:
     there = [side for side in SIDES if any(records.text(label, side) for label in ("SPH", "FRNT", "LIND", "IPD"))]
     traced = [side for side in SIDES if records.shape("TRCFMT", side)]
     return tuple(there or traced or SIDES)
-
-
-def _order(eye: Eyeside) -> Order:
-    axis = eye["AX"]
-    order = Order(
-        eye["SPH"] or 0.0, eye["CYL"] or 0.0, axis or 180.0, eye["ADD"] or 0.0, eye["PRVM"] or 0.0, (eye["PRVA"] or 0.0) % 360
-    )  # fmt: skip
-    text = f"SPH {order.sphere:+.2f}, CYL {order.cylinder:+.2f}, AX {order.axis:g}, ADD {order.addition:.2f} D"
-    eye.say("Order", f"{text}, PRVM {order.prism:.2f} cm/m base PRVA {order.prism_base:g} degrees", str(order))
-    verify = [f"{label} {eye[label]:+.2f}" for label in RANGES if label.startswith("LD") and eye[label] is not None]
-    if verify:
-        eye.say("Powers to verify", ", ".join(verify))
-    return order
 
 
 def _wearer(eye: Eyeside, order: Order) -> Wearer:
@@ -208,7 +195,7 @@ def _wearer(eye: Eyeside, order: Order) -> Wearer:
 # ---- the lens ----
 
 
-def _lens(eye: Eyeside, order: Order, held: list[Any], told: Reading) -> Lens:
+def _lens(eye: Eyeside, powers: Powers, held: list[Any], told: Reading) -> Lens:
     path = eye.records.path
     material, wavelength = _material(eye)
     index = material.index(wavelength)
@@ -216,10 +203,13 @@ def _lens(eye: Eyeside, order: Order, held: list[Any], told: Reading) -> Lens:
     thickness = eye["CTHICK"]
     if thickness is None:
         raise InputError(f"{path}: CTHICK ({NAMES[eye.side]}): the centre thickness is missing; a lens needs it")
-    points = _points(eye, order)
-    outline = _outline(eye, points, order)
+    points = _points(eye, powers.order)
+    outline = _outline(eye, points, powers.order)
     name = f"{eye.records.text('JOB') or path.stem} {NAMES[eye.side]}"
-    lens = Lens(front, back, thickness, material, outline, eye.side, wavelength, points, order, name)
+    lens = Lens(
+        front, back, thickness, material, outline, eye.side, wavelength, points, powers.order, name,
+        verification_power=powers.verification_power,
+    )  # fmt: skip
     check_body(path, lens)
     _compare_edge(eye, lens)
     return lens

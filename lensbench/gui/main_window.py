@@ -27,7 +27,7 @@ from .document import Document
 from .files import Files
 from .lane import Lane, sentence
 from .pictures import PictureActions
-from .readings_panel import PointsTable, ProbePanel, ToleranceTable
+from .readings_panel import PointsTable, ProbePanel, TolerancePanel
 from .reports import ReportRunner
 from .scene_source import answer_with_scene
 from .space_content import SIDES, SpaceContent
@@ -75,7 +75,7 @@ class MainWindow(QMainWindow):
     def _build_docks(self) -> None:
         self.table = TablePanel(self.document, self.attempt)
         self._dock("Table", self.table, Qt.DockWidgetArea.LeftDockWidgetArea)
-        self.points, self.tolerances, self.probe_panel = PointsTable(), ToleranceTable(), ProbePanel()
+        self.points, self.tolerances, self.probe_panel = PointsTable(), TolerancePanel(), ProbePanel()
         self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=500)
         tabs = QTabWidget()
         for title, widget in (
@@ -197,7 +197,7 @@ class MainWindow(QMainWindow):
         elif asker == "points":
             self.points.show_readings(answer)
         elif asker == "tolerances":
-            self.tolerances.show_lines(answer)
+            self.tolerances.show_verification(answer)
 
     def _failed(self, asker: str, sentence: str) -> None:
         if asker in ("points", "tolerances", "probe"):

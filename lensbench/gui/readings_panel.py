@@ -16,8 +16,9 @@ from PySide6.QtWidgets import (
 
 from ..layers import PointReading, Probe
 from ..optics.conventions import Status, power_matrix
-from ..optics.tolerances import STANDARD, ToleranceLine
+from ..optics.tolerances import ToleranceLine, Verification
 from ..report.facts import prescription_text
+from ..report.verification import row_of, sentences
 
 WITHIN, OUTSIDE = QColor("#1b7f4b"), QColor("#c0392b")
 
@@ -80,23 +81,30 @@ def _point_row(r: PointReading) -> list[str]:
     ]
 
 
-class ToleranceTable(_Table):
-    """Focimeter readings against the order with their tolerances."""
+class TolerancePanel(QWidget):
+    """Focimeter readings against the order or the verification power, with tolerances, and what is to be said of them."""
 
     def __init__(self) -> None:
-        super().__init__(["By focimeter", "Ordered", "Measured", "Deviation", "Tolerance", STANDARD])
+        super().__init__()
+        self.table = _Table(["By focimeter", "Ordered", "Measured", "Deviation", "Tolerance", ""])
+        self.said = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse, wordWrap=True)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.table, 1)
+        layout.addWidget(self.said)
 
-    def show_lines(self, lines: tuple[ToleranceLine, ...]) -> None:
+    def show_verification(self, found: Verification | None) -> None:
         """Show a verification."""
-        self.fill([_tolerance_row(line) for line in lines])
+        lines = found.lines if found else ()
+        self.table.fill([_tolerance_row(line) for line in lines])
         for j, line in enumerate(lines):
-            self.item(j, 5).setForeground(WITHIN if line.within else OUTSIDE)
+            self.table.item(j, 5).setForeground(WITHIN if line.within else OUTSIDE)
+        self.said.setText(" ".join(sentences(found)) if found else "")
 
 
 def _tolerance_row(line: ToleranceLine) -> list[str]:
-    values = [f"{v:.2f}" for v in (line.ordered, line.measured, line.deviation)]
-    verdict = "within" if line.within else f"outside by {line.excess:.2f}"
-    return [f"{line.name.replace('_', ' ')} ({line.unit})", *values, f"± {line.tolerance:.2f}", verdict]
+    name, unit, ordered, measured, deviation, tolerance, verdict = row_of(line)
+    return [f"{name} ({unit})", ordered, measured, deviation, f"± {tolerance}", verdict]
 
 
 class ProbePanel(QWidget):

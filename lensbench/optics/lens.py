@@ -116,7 +116,9 @@ class Points:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Order:
-    """Ordered power: sphere, cylinder, addition (D), axis (degrees), prism (cm/m) and prism base (degrees, 0 to 360)."""
+    """A power as ordered or as it is to be verified: sphere, cylinder, addition (D), axis (degrees), prism (cm/m) and prism
+    base (degrees, 0 to 360).
+    """
 
     sphere: float = 0.0
     cylinder: float = 0.0
@@ -147,7 +149,8 @@ class EdgeThickness(NamedTuple):
 class Lens:
     """A spectacle lens. side: "R" or "L". wavelength: reference line, "d" or "e". centre_thickness: mm at the vertices.
 
-    note: what was assumed where its file leaves something open, one line.
+    verification_power: what a focimeter must read where that is not the order, as of lenses compensated for the position
+    of wear. note: what was assumed where its file leaves something open, one line.
     """
 
     front: Surface
@@ -161,6 +164,17 @@ class Lens:
     ordered: Order | None = None
     name: str = ""
     note: str = ""
+    verification_power: Order | None = None
+
+    @property
+    def expected_by_focimeter(self) -> Order | None:
+        """What a focimeter should read: the verification power, else the order."""
+        return self.verification_power or self.ordered
+
+    @property
+    def power_point(self) -> tuple[float, float]:
+        """Lens point (mm) of the ordered power: the distance reference point, else the prism reference point."""
+        return self.points.distance_reference_point or self.points.prism_reference_point
 
     @property
     def index(self) -> float:

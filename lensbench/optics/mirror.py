@@ -21,6 +21,7 @@ def mirrored(lens: Lens) -> Lens:
         side="L" if lens.side == "R" else "R",
         points=_mirrored_points(lens.points),
         ordered=None if lens.ordered is None else mirrored_order(lens.ordered),
+        verification_power=None if lens.verification_power is None else mirrored_order(lens.verification_power),
     )
 
 

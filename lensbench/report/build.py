@@ -29,7 +29,7 @@ from ..layers import (
 from ..optics.conventions import VERSION, Status, power_matrix
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
-from ..optics.tolerances import STANDARD, ToleranceLine
+from ..optics.tolerances import Verification
 from ..output import require_folder, to_json, write_file
 from ..quantities import QUANTITIES
 from ..scenes.scene import Scene
@@ -38,6 +38,7 @@ from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
 from .html import Picture, picture_of, render
 from .progress import Progress
 from .tables import BLURRED, distance_text, distortion_numbers, map_numbers, real_rays_rows
+from .verification import row_of, sentences
 
 DEFAULT_DISTANCES = (math.inf, 780.0, 400.0)
 EYES = {"lens": "With the lens", "naked": "Without the lens", "pinhole": "With the lens, through a pinhole"}
@@ -69,7 +70,7 @@ class Findings:
     lens: list[Fact]
     wearer: list[Fact]
     readings: tuple[PointReading, ...]
-    verification: tuple[ToleranceLine, ...]
+    verification: Verification | None
     profile: Profile
     maps: dict[str, LensMap]
     defocus: dict[float | str, LensMap]
@@ -235,7 +236,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
         "lens": {f.label: {"text": f.text, "value": f.value} for f in findings.lens},
         "wearer": {f.label: {"text": f.text, "value": f.value} for f in findings.wearer},
         "reference_points": [asdict(r) for r in findings.readings],
-        "verification": {"standard": STANDARD, "lines": [asdict(line) for line in findings.verification]},
+        "verification": asdict(findings.verification) if findings.verification else None,
         "profile": asdict(findings.profile),
         "maps": {name: map_numbers(m) for name, m in findings.maps.items()},
         "defocus": {distance_text(d): map_numbers(m) for d, m in findings.defocus.items()},
@@ -260,7 +261,8 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         wearer=wearer,
         findings=findings,
         pictures=pictures,
-        standard=STANDARD,
+        row_of=row_of,
+        sentences=sentences,
         looks=findings.looks,
         real_rays=real_rays_rows(findings.real_rays),
         blurred=BLURRED,

@@ -1,13 +1,14 @@
 """What there is to say in words about lenses, wearers and scenes: labels, values and units, for `check` and for the report."""
 
+from dataclasses import asdict
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..formats.surface_data import Reading
 from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
-from ..optics.eye import Wearer
-from ..optics.lens import Lens
+from ..optics.eye import Wear, Wearer
+from ..optics.lens import Lens, Order
 from ..optics.lensmeter import surface_power
 from ..scenes.facts import scene_facts
 from ..scenes.scene import Scene
@@ -27,6 +28,22 @@ def prescription_text(matrix: Floats) -> str:
     if abs(cylinder) < 0.005:
         return f"{round(sphere, 2) + 0.0:+.2f}"
     return f"{round(sphere, 2) + 0.0:+.2f} / {cylinder:+.2f} x {round(axis) or 180}"
+
+
+def order_text(order: Order) -> str:
+    """An order, or a verification power, in words."""
+    addition = f", addition {order.addition:.2f} D" if order.addition else ""
+    prism = f", prism {order.prism:.2f} cm/m base {order.prism_base:.0f}°" if order.prism else ""
+    return f"{prescription_text(order.power())} D{addition}{prism}"
+
+
+def wear_text(wear: Wear) -> str:
+    """What of a position of wear decides the power, in words."""
+    panto, face = np.degrees([wear.pantoscopic_angle, wear.face_form_angle])
+    return (
+        f"vertex distance {wear.vertex_distance:g} mm, pantoscopic angle {panto:g}°, face-form angle {face:g}°, "
+        f"near distance {wear.near_distance:g} mm"
+    )
 
 
 def misfit(lens: Lens, wearer: Wearer) -> str:
@@ -106,18 +123,14 @@ def lens_facts(lens: Lens) -> list[Fact]:
             lens.points.named(),
         ),
     ]
-    if lens.ordered is not None:
-        o = lens.ordered
-        addition = f", addition {o.addition:.2f} D" if o.addition else ""
-        prism = f", prism {o.prism:.2f} cm/m base {o.prism_base:.0f}°" if o.prism else ""
-        facts.append(
-            Fact(
-                "Ordered power",
-                prescription_text(o.power()) + " D" + addition + prism,
-                {name: getattr(o, name) for name in ("sphere", "cylinder", "axis", "addition", "prism", "prism_base")},
-            )
-        )
-    return facts
+    return [
+        *facts,
+        *(
+            Fact(label, order_text(power), asdict(power))
+            for label, power in (("Ordered power", lens.ordered), ("Verification power", lens.verification_power))
+            if power is not None
+        ),
+    ]
 
 
 def _surface_facts(lens: Lens) -> list[Fact]:

@@ -86,6 +86,30 @@ def test_a_pair_with_its_order_and_its_wearers(pair):
     assert eye.prescription == pytest.approx(right.ordered.power(), abs=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("records", "expected"),
+    [
+        ({}, None),
+        ({"LDDRSPH": "-1.42;-1.20"}, (-1.42, -0.75, 10.0, 2.0, 0.5, 90.0)),
+        ({"LDDRSPH": "-1.42", "LDDRCYL": "-0.68", "LDDRAX": "12", "LDADD": "1.87", "LDPRVM": "0.6", "LDPRVA": "95"},
+         (-1.42, -0.68, 12.0, 1.87, 0.6, 95.0)),
+        ({"LDDRSPH": "-1.50", "LDNRSPH": "0.25"}, (-1.5, -0.75, 10.0, 1.75, 0.5, 90.0)),
+    ],
+    ids=["none", "the rest as ordered", "all", "near less distance"],
+)  # fmt: skip
+def test_the_powers_to_verify_are_the_lenses(tmp_path, records, expected):
+    lens, _ = load_pair(job(tmp_path, records, surface=surface_text()))[0]
+    found = lens.verification_power
+    if expected is None:
+        assert found is None
+        return
+    assert (found.sphere, found.cylinder, found.axis, found.addition, found.prism, found.prism_base) == pytest.approx(
+        expected
+    )
+    assert lens.expected_by_focimeter is found
+    assert lens.ordered.sphere == -1.5
+
+
 def test_the_lens_is_the_surface_file_and_the_front_curve(pair):
     for (lens, _), nasal in zip(pair, (1, -1), strict=True):
         assert lens.front.describe() == "sphere, radius 119.6 mm"

@@ -1,6 +1,7 @@
 """Forms, the tree and the tables of readings: what they show is the workbench's, what they change is one edit."""
 
 from dataclasses import replace
+from math import nan
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from lensbench.gui.document import Document
 from lensbench.gui.fields import EYE, REFRACTION
 from lensbench.gui.form import Form
-from lensbench.gui.readings_panel import PointsTable, ProbePanel, ToleranceTable
+from lensbench.gui.readings_panel import PointsTable, ProbePanel, TolerancePanel
 from lensbench.gui.table_tree import ROLE, TableTree
 from lensbench.layers import PointsLayer, ProbeLayer, Request, VerificationLayer
 from lensbench.optics.conventions import Status
@@ -134,17 +135,23 @@ def test_a_point_that_no_ray_reaches_says_why(qtbot):
 
 def test_tolerances_are_those_of_run_and_a_miss_is_said(qtbot):
     bench = Workbench().with_lens(PROGRESSIVE)
-    lines = run(Request(bench.active_lens, bench.active_wearer, VerificationLayer()))
+    found = run(Request(bench.active_lens, bench.active_wearer, VerificationLayer()))
     miss = ToleranceLine("addition", "D", 2.0, 2.3, 0.3, 0.12, False, 0.18)
-    table = ToleranceTable()
-    qtbot.addWidget(table)
-    table.show_lines((*lines, miss))
-    for k, line in enumerate((*lines, miss)):
-        assert [float(v) for v in cells(table, k)[1:4]] == pytest.approx(
-            [line.ordered, line.measured, line.deviation], abs=0.0051
+    unread = ToleranceLine("addition", "D", 2.0, nan, nan, 0.12, False, nan)
+    panel = TolerancePanel()
+    qtbot.addWidget(panel)
+    panel.show_verification(replace(found, lines=(*found.lines, miss, unread)))
+    for k, line in enumerate((*found.lines, miss)):
+        assert [float(v.split(" ")[0]) for v in cells(panel.table, k)[1:4]] == pytest.approx(
+            [line.ordered, line.measured, line.deviation], abs=0.051 if line.unit == "deg" else 0.0051
         )
-        assert cells(table, k)[5] == ("within" if line.within else f"outside by {line.excess:.2f}")
-    assert "outside by 0.18" in cells(table, len(lines))
+        assert cells(panel.table, k)[5] == ("within" if line.within else f"outside by {line.excess:.2f}")
+    assert "outside by 0.18" in cells(panel.table, len(found.lines))
+    assert "no reading" in cells(panel.table, len(found.lines) + 1)
+    assert panel.said.text().startswith("Judged by ANSI Z80.1-2015 against the order")
+    assert "the order is met by a lens that reads" in panel.said.text()
+    panel.show_verification(None)
+    assert (panel.table.rowCount(), panel.said.text()) == (0, "")
 
 
 def test_the_probe_says_what_run_says(qtbot, sphere):
