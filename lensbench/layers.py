@@ -215,6 +215,11 @@ class LensMap(ReadOnlyArrays):
     values: Floats
     status: NDArray[np.int8]
 
+    @property
+    def column(self) -> str:
+        """The quantity with its unit, as tables and meshes name its values."""
+        return f"{self.quantity}_{self.unit}"
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile(ReadOnlyArrays):

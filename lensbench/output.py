@@ -40,9 +40,9 @@ def write_file(path: Path, content: bytes | str) -> None:
         raise
 
 
-def to_json(value: Any) -> str:
+def to_json(value: Any, ascii_only: bool = False) -> str:
     """JSON text of dataclasses' dicts, arrays and numbers: 7 significant digits, null for NaN, "inf" for infinity."""
-    return json.dumps(_plain(value), ensure_ascii=False, allow_nan=False)
+    return json.dumps(_plain(value), ensure_ascii=ascii_only, allow_nan=False)
 
 
 def _plain(value: Any) -> Any:

@@ -34,23 +34,33 @@ def write(things: tuple[Any, ...], writing: Writing) -> Written:
 def vtp_text(lens: Lens, wearer: Wearer, distance: float = np.inf) -> str:
     """The closed skin of a lens in its own frame, mm, as VTK XML PolyData.
 
-    Point arrays, each at the point's x and y in the lens: thickness_mm; front_ and back_ mean_power_D and astigmatism_D
-    (surface powers); as_worn_mean_power_D and as_worn_astigmatism_D through that point of the front, for objects at
-    `distance` mm. Cell array part: 0 front, 1 back, 2 edge. NaN where there is no value.
+    Point arrays: lens_arrays at the point's x and y. Cell array part: 0 front, 1 back, 2 edge.
     """
     points, triangles = lens_triangles(lens, RINGS, AROUND)
-    half = len(points) // 2
-    x, y = points[:half, :2].T
+    x, y = points[: len(points) // 2, :2].T
+    arrays = lens_arrays(lens, x, y, wearer, distance)
+    caps = (len(triangles) - 2 * AROUND) // 2
+    part = np.repeat([FRONT, BACK, EDGE], [caps, caps, 2 * AROUND])
+    return _polydata(points, triangles, {name: np.tile(values, 2) for name, values in arrays.items()}, {"part": part})
+
+
+def lens_arrays(
+    lens: Lens, x: Floats, y: Floats, wearer: Wearer | None = None, distance: float = np.inf
+) -> dict[str, Floats]:
+    """What a lens is and does at lens points x, y (n,) mm, by name with its unit; NaN where there is no value.
+
+    thickness_mm along the lens's axis; front_ and back_ mean_power_D and astigmatism_D (surface powers); for a wearer
+    as_worn_mean_power_D and as_worn_astigmatism_D through that point of the front, for objects at `distance` mm.
+    """
     arrays = {"thickness_mm": lens.thickness(x, y)}
     for name, surface, sign in (("front", lens.front, 1), ("back", lens.back, -1)):
         power = sign * _surface_power(surface, x, y, lens.index)
         arrays |= {f"{name}_mean_power_D": mean_power(power), f"{name}_astigmatism_D": astigmatism(power)}
-    front = worn_pose(lens, wearer.wear).to_wear(points[:half])
-    worn = look_at(lens, wearer, front, within_outline=False).as_worn_matrix(distance)
-    arrays |= {"as_worn_mean_power_D": mean_power(worn), "as_worn_astigmatism_D": astigmatism(worn)}
-    caps = (len(triangles) - 2 * AROUND) // 2
-    part = np.repeat([FRONT, BACK, EDGE], [caps, caps, 2 * AROUND])
-    return _polydata(points, triangles, {name: np.tile(values, 2) for name, values in arrays.items()}, {"part": part})
+    if wearer is not None:
+        front = worn_pose(lens, wearer.wear).to_wear(np.column_stack([x, y, lens.front_height(x, y)]))
+        worn = look_at(lens, wearer, front, within_outline=False).as_worn_matrix(distance)
+        arrays |= {"as_worn_mean_power_D": mean_power(worn), "as_worn_astigmatism_D": astigmatism(worn)}
+    return arrays
 
 
 def _surface_power(surface: Surface, x: Floats, y: Floats, index: float) -> Floats:

@@ -17,7 +17,8 @@ from ..optics.lens import Lens
 from ..session import Pane, Workbench
 from ..views.bands import Bands
 from ..views.ellipses import draw_ellipses, ellipse_bands, fitting_exaggeration, look_along
-from ..views.lens3d import LensMesh, lens_actors, lens_mesh, look_at_lens
+from ..views.lens3d import lens_actors, look_at_lens
+from ..views.meshes import LensMesh, lens_mesh
 from .colour_bar import ColourBar
 from .content import Content
 from .map_source import BandedMap, map_question
@@ -133,7 +134,7 @@ class LensContent(SpaceContent):
 
 def _in_space(found: Callable[[], BandedMap], wearer: Wearer) -> tuple[BandedMap, LensMesh, list[Actor]]:
     banded = found()
-    mesh = lens_mesh(banded.lens, worn_pose(banded.lens, wearer.wear), RINGS, AROUND)
+    mesh = lens_mesh(banded.lens, wearer.wear, RINGS, AROUND)
     return banded, mesh, lens_actors(banded.lens, wearer, mesh, (banded.lens_map, banded.bands))
 
 

@@ -122,6 +122,15 @@ def trace_bundle(
     return Bundle(field, samples, s, vergence, landing)
 
 
+def trace_pupil(field: GazeField, vergence: Floats, pupil: Pupil) -> tuple[Floats, TracedRays]:
+    """Real rays of an eye of vergence S (n, 2, 2), D, through the pupil's m points: starts (n, m, 3), mm, and rays (n, m, ...).
+
+    Wear frame; a ray that fails holds NaN.
+    """
+    offsets = _offsets(field, pupil)
+    return _starts(field, offsets), _traced(field, offsets, offsets @ vergence / 1000)
+
+
 def _parts(gazes: int, pupil: Pupil) -> list[slice]:
     """Gazes by so many at a time that their rays are _CHUNK or fewer."""
     step = max(1, _CHUNK // len(pupil.weights))

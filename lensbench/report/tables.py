@@ -33,7 +33,7 @@ def map_csv(lens_map: LensMap) -> str:
     """x_mm, y_mm, the quantity with its unit, status: one line a sample within the outline."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(["x_mm", "y_mm", f"{lens_map.quantity}_{lens_map.unit}", "status"])
+    writer.writerow(["x_mm", "y_mm", lens_map.column, "status"])
     for j, i in np.argwhere(lens_map.status != Status.OUTSIDE_OUTLINE):
         value, status = lens_map.values[j, i], Status(lens_map.status[j, i])
         writer.writerow([f"{lens_map.x[i]:.4f}", f"{lens_map.y[j]:.4f}", f"{value:.6g}", status.name])

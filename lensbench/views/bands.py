@@ -89,6 +89,11 @@ def map_style(quantity: str) -> MapStyle:
     return STYLES.get(quantity) or STYLES.get(quantity.removeprefix(mode), _OTHER)
 
 
+def is_cyclic(quantity: str) -> bool:
+    """Whether the ends of the quantity's scale are neighbours: an axis."""
+    return quantity.endswith("axis")
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Bands:
     """Levels (k + 1,) rising in the map's unit and the colours (k, 3), 0 to 1, of the bands between them.
@@ -140,7 +145,7 @@ def value_bands(
     ordered: float = 0.0,
 ) -> Bands:
     """Bands for values (any shape, NaN where there are none) of a quantity; see map_bands. ordered: mean power, D."""
-    style, cyclic = map_style(quantity), quantity.endswith("axis")
+    style, cyclic = map_style(quantity), is_cyclic(quantity)
     finite = values[np.isfinite(values)]
     span = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     levels = _levels(style, (0.0, 180.0) if cyclic else limits or _scale_span(style, finite), step)

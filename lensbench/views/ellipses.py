@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..layers import EllipseSheet
-from ..optics.conventions import Floats, Status
+from ..optics.conventions import Floats
 from ..optics.eye import Wearer
-from ..optics.gaze import worn_pose
 from ..optics.lens import Lens
 from . import maps
 from .bands import Bands, value_bands
-from .lens3d import FOOT, in_view, lens_mesh, opaque_bytes
+from .lens3d import FOOT, in_view, opaque_bytes
 from .maps import EYE, INK
+from .meshes import angular_diameters, ellipse_mesh, ellipse_outlines, lens_mesh, passing
 from .stage import FINENESS, snapshot, stage
 
 _FACTORS = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000])
@@ -53,34 +53,14 @@ def ellipse_figure(
     return figure
 
 
-def angular_diameters(sheet: EllipseSheet, wearer: Wearer) -> Floats:
-    """Major diameter of each ellipse (n,) seen from the eye's centre of rotation, arcmin."""
-    away = np.linalg.norm(sheet.centre - wearer.centre_of_rotation, axis=1)
-    return np.degrees(2 * np.arctan(sheet.semi_major / away)) * 60
-
-
 def ellipse_bands(sheets: Iterable[EllipseSheet], wearer: Wearer) -> Bands:
     """One scale of major diameters (arcmin) for several sheets."""
     return value_bands("defocus", np.concatenate([angular_diameters(sheet, wearer) for sheet in sheets]))
 
 
-def ellipse_outlines(sheet: EllipseSheet, exaggeration: float = 1.0, corners: int = 24) -> Floats:
-    """Outlines (m, corners, 3) of the ellipses of the rays that passed, mm, wear frame, about their true centres."""
-    turn = np.arange(corners) * 2 * np.pi / corners
-    rim = exaggeration * sheet.spokes @ np.stack([np.cos(turn), np.sin(turn)])
-    outlines = sheet.centre[:, None] + np.swapaxes(rim, 1, 2)
-    return outlines[_passed(sheet)]
-
-
-def _passed(sheet: EllipseSheet) -> NDArray[np.bool_]:
-    """Which rays (n,) passed and meet the sheet."""
-    numbers = np.column_stack([sheet.centre, sheet.spokes.reshape(-1, 6), sheet.semi_major])
-    return (sheet.status == Status.OK) & np.isfinite(numbers).all(axis=1)
-
-
 def fitting_exaggeration(sheet: EllipseSheet) -> float:
     """1 where large ellipses are 0.6 to 1.3 times as wide as they are apart, else what makes them at most 1.3 times."""
-    passed = _passed(sheet)
+    passed = passing(sheet)
     if not passed.any():
         return 1.0
     spread = np.ptp(sheet.centre[passed, :2], axis=0) / max(np.sqrt(sheet.status.size) - 1, 1)
@@ -94,7 +74,7 @@ def fitting_exaggeration(sheet: EllipseSheet) -> float:
 def _draw_sheet(axes: Axes, sheet: EllipseSheet, angle: Floats, bands: Bands, exaggeration: float) -> None:
     """One depth: filled ellipses in cm, x rising to the left as the wearer looks."""
     outlines = ellipse_outlines(sheet, exaggeration)[..., :2] / 10
-    faces = bands.colours[np.clip(bands.rank(angle[_passed(sheet)]).astype(int), 0, len(bands.colours) - 1)]
+    faces = bands.colours[np.clip(bands.rank(angle[passing(sheet)]).astype(int), 0, len(bands.colours) - 1)]
     axes.add_collection(PolyCollection(outlines, facecolors=faces, edgecolors=0.5 * faces, linewidths=0.5))
     reach = 1.04 * np.abs(outlines).max(initial=1.0)
     axes.set(xlim=(reach, -reach), ylim=(-reach, reach), aspect="equal", ylabel="y, cm")
@@ -164,7 +144,7 @@ def _add_wearer(plotter: pv.Plotter, lens: Lens | None, wearer: Wearer) -> None:
     """The eyeball, 12 mm in radius, and the worn lens."""
     plotter.add_mesh(pv.Sphere(radius=12.0, center=wearer.centre_of_rotation), color="#d9c8b8", smooth_shading=True)
     if lens is not None:
-        for part in lens_mesh(lens, worn_pose(lens, wearer.wear), rings=8, around=90)[:3]:
+        for part in lens_mesh(lens, wearer.wear, rings=8, around=90)[:3]:
             plotter.add_mesh(part, color="#7fb2d6", opacity=0.7)
 
 
@@ -184,9 +164,8 @@ def _add_sheet(plotter: pv.Plotter, sheet: EllipseSheet, wearer: Wearer, bands: 
         plotter.add_mesh(pv.Line(wearer.centre_of_rotation, corner), color="#d5dade", line_width=0.7 * FINENESS)
     if not len(outlines):
         return corners
-    index = np.arange(outlines.shape[0] * outlines.shape[1]).reshape(outlines.shape[:2])
-    ellipses = pv.PolyData(outlines.reshape(-1, 3), faces=np.insert(index, 0, index.shape[1], axis=1).ravel())
-    ellipses.cell_data["rank"] = bands.rank(angular_diameters(sheet, wearer)[_passed(sheet)])
+    ellipses = ellipse_mesh(sheet, wearer, exaggeration)
+    ellipses.cell_data["rank"] = bands.rank(ellipses["diameter_arcmin"])
     table = pv.LookupTable(values=opaque_bytes(bands.colours), scalar_range=(0, len(bands.colours)))
     plotter.add_mesh(ellipses, scalars="rank", cmap=table, show_scalar_bar=False, lighting=False)
     return corners

@@ -1,65 +1,22 @@
 """The worn lens in space, with a map on its front surface."""
 
-from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pyvista as pv
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from scipy.interpolate import RegularGridInterpolator
 
 from ..layers import LensMap
 from ..optics.conventions import Floats
 from ..optics.eye import Wearer
 from ..optics.gaze import WornPose, worn_pose
 from ..optics.lens import Lens
-from ..optics.polar_mesh import polar_faces, polar_points
 from . import maps
-from .bands import Bands, extended, map_bands
+from .bands import Bands, map_bands
 from .maps import EYE, INK, QUIET
+from .meshes import LensMesh, lens_mesh, map_and_rest
 from .stage import FINENESS, snapshot, stage
-
-# ---- the lens as meshes ----
-
-
-class LensMesh(NamedTuple):
-    """The lens's skin, mm: front and back surface and the edge between them (back rim first, then front rim).
-
-    points (n, 2): x, y in the lens frame of the vertices of front and of back; faces: their polygons (m, k).
-    """
-
-    front: pv.PolyData
-    back: pv.PolyData
-    edge: pv.PolyData
-    points: Floats
-    faces: tuple[NDArray[np.intp], ...]
-
-
-def lens_mesh(lens: Lens, pose: WornPose | None = None, rings: int = 40, around: int = 240) -> LensMesh:
-    """Meshes of a lens on a polar grid within its outline; in the lens frame, or in the wear frame for a pose."""
-    points = polar_points(lens.outline, rings, around)
-    heights = lens.front_height(*points.T), lens.back_height(*points.T)
-    front, back = (np.column_stack([points, z]) for z in heights)
-    if pose is not None:
-        front, back = pose.to_wear(front), pose.to_wear(back)
-    exists = np.isfinite(front[:, 2]) & np.isfinite(back[:, 2])
-    faces = tuple(f[exists[f].all(axis=1)] for f in polar_faces(rings, around))
-    here = np.arange(around)
-    strip = np.stack([here, np.roll(here, -1), np.roll(here, -1) + around, here + around], axis=-1)
-    edge = np.concatenate([back[-around:], front[-around:]])
-    strip = strip[np.tile(exists[-around:], 2)[strip].all(axis=1)]
-    return LensMesh(*(_polygons(p, f) for p, f in ((front, faces), (back, faces), (edge, (strip,)))), points, faces)
-
-
-def _polygons(points: Floats, faces: Iterable[NDArray[np.intp]]) -> pv.PolyData:
-    """A mesh of polygons (m, k) with normals at its points; points that do not exist (NaN) belong to no polygon."""
-    used = np.concatenate([np.insert(f, 0, f.shape[1], axis=1).ravel() for f in faces])
-    mesh = pv.PolyData(np.where(np.isfinite(points), points, 0.0), faces=used)
-    return mesh.compute_normals(cell_normals=False, consistent_normals=False) if used.size else mesh
-
-
-# ---- a map on the lens ----
 
 _LIGHT = {"ambient": 0.85, "diffuse": 0.2, "specular": 0.0}
 _VIEW = (0.62, 0.4, 1.0)  # towards the camera, wear frame, left lens: before the wearer, on the temporal side, above
@@ -80,7 +37,7 @@ def map_on_lens(
 
     size: (width, height) pixels; step, limits: as in maps.map_figure.
     """
-    mesh = lens_mesh(lens, worn_pose(lens, wearer.wear))
+    mesh = lens_mesh(lens, wearer.wear)
     bands = map_bands(lens, lens_map, step, limits)
     room = size[0] - 100, size[1] - 100
     plotter = stage(room)
@@ -124,20 +81,12 @@ def _body(mesh: LensMesh) -> list[pv.Actor]:
 
 def _map(mesh: LensMesh, lens_map: LensMap, bands: Bands) -> list[pv.Actor]:
     """The front surface in exact bands, bare where the map has no value, with isolines 0.05 mm before it."""
-    rank = bands.rank(_sampled(lens_map, bands, mesh.points))
-    covered = [np.isfinite(rank)[f].all(axis=1) for f in mesh.faces]
-    bare, layer = (
-        _polygons(mesh.front.points, [f[c == wanted] for f, c in zip(mesh.faces, covered, strict=True)])
-        for wanted in (False, True)
-    )
+    layer, bare = map_and_rest(mesh, lens_map)
     found = [_actor(bare, color="#e3e8ec", **_LIGHT)] if bare.n_cells else []
     if not layer.n_cells:
         return found
-    if bands.cyclic:
-        middles = np.concatenate([mesh.points[f[c]].mean(axis=1) for f, c in zip(mesh.faces, covered, strict=True)])
-        layer.cell_data["rank"] = bands.rank(_sampled(lens_map, bands, middles))
-    else:
-        layer.point_data["rank"] = np.nan_to_num(rank)
+    data = layer.cell_data if bands.cyclic else layer.point_data
+    data["rank"] = np.nan_to_num(bands.rank(data[lens_map.column]))
     found.append(_banded(layer, bands))
     return found if bands.cyclic or bands.constant else [*found, *_isolines(layer, bands)]
 
@@ -151,13 +100,6 @@ def _banded(layer: pv.PolyData, bands: Bands) -> pv.Actor:
     actor.mapper.array_name = "rank"
     actor.mapper.interpolate_before_map = True
     return actor
-
-
-def _sampled(lens_map: LensMap, bands: Bands, points: Floats) -> Floats:
-    """The map's values (n,) at lens points (n, 2): bilinear, or the nearest sample of a cyclic quantity."""
-    grid = lens_map.y, lens_map.x
-    values = RegularGridInterpolator(grid, extended(lens_map), method="nearest" if bands.cyclic else "linear")
-    return values(np.clip(points, [lens_map.x[0], lens_map.y[0]], [lens_map.x[-1], lens_map.y[-1]])[:, ::-1])
 
 
 def opaque_bytes(colours: Floats) -> NDArray[np.uint8]:
