@@ -11,6 +11,7 @@ from ...optics.conventions import Floats
 from ...seen import seen_parts
 from .accumulate import CardSum, MemorySum
 from .camera import camera_state, edge_in_view, frames, place_camera
+from .context import in_own_context
 from .light import Light, pixel_shifts, pupil_points
 from .parts import image_texture, part_actor, rim_actor, twin_of, vertex_actor
 from .zones import Zone
@@ -71,6 +72,7 @@ class JitterPass:
         self._points, self._shifts = pupil_points(passes, seed), pixel_shifts(passes)
         self.reset()
 
+    @in_own_context
     def show(self, seen: SeenScene) -> None:
         """Show a scene as this eye sees it; the picture begins anew. What is as before stays on the graphics card."""
         before, self.seen = self.seen, seen
@@ -86,6 +88,7 @@ class JitterPass:
             self._prove()
         self.reset()
 
+    @in_own_context
     def add(self, actor: Any) -> None:
         """Let another actor, which stands in the scene's frame (mm), be seen through the lens instead, until the scene changes.
 
@@ -111,10 +114,12 @@ class JitterPass:
         """Whether all passes are drawn, and the camera has not moved since."""
         return self.count >= self.passes and self._drawn == camera_state(self.renderer)
 
+    @in_own_context
     def light(self) -> Light:
         """Mean light (h, w, 3) of the passes so far, linear, first row at the top; the exposure is left to you."""
         return self._sum.light()
 
+    @in_own_context
     def close(self) -> None:
         """Take the scene out of the renderer and free what is held on the graphics card: before the window closes."""
         for tag in self._tags:
