@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-SPHERE = HERE.parents[1] / "sample_lenses" / "sphere_minus_4_R.toml"
+SPHERE, PROGRESSIVE = (HERE.parents[1] / "sample_lenses" / name for name in ("sphere_minus_4_R.toml", "regular_R.toml"))
 
 
 @pytest.fixture(scope="module")
@@ -29,12 +29,21 @@ def screen():
     server.wait(10)
 
 
-def test_a_window_on_a_screen_is_opened_edited_probed_saved_and_closed(screen, tmp_path):
+def run_on(screen, script, *words):
+    """Run a script on the screen by itself; it must end well, and Qt have nothing to say."""
     environment = {**os.environ, "QT_QPA_PLATFORM": "xcb", "DISPLAY": screen}
     ended = subprocess.run(
-        [sys.executable, str(HERE / "real_window.py"), str(SPHERE), str(tmp_path)],
-        env=environment, capture_output=True, text=True, timeout=300, check=False,
+        [sys.executable, str(HERE / script), *map(str, words)],
+        env=environment, capture_output=True, text=True, timeout=400, check=False,
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert not re.search(r"plugin|QObject|QThread|QPainter|Traceback", ended.stderr), ended.stderr
+
+
+def test_a_window_on_a_screen_is_opened_edited_probed_saved_and_closed(screen, tmp_path):
+    run_on(screen, "real_window.py", SPHERE, tmp_path)
     assert (tmp_path / "a.lensbench.json").exists()
+
+
+def test_two_views_in_two_plotters_on_a_screen_do_not_mix(screen):
+    run_on(screen, "two_plotters.py", PROGRESSIVE)

@@ -56,6 +56,7 @@ class JitterPass:
         self._drawn: tuple[Any, ...] = ()
         self.sample(passes, seed)
         self._clipping = 1.0, 1e5
+        self._added: list[Floats] = []  # lowest and highest corner (2, 3) of each actor that was added
         window.SetMultiSamples(0)
         renderer.GetCullers().RemoveAllItems()
         window.Render()
@@ -78,6 +79,7 @@ class JitterPass:
         before, self.seen = self.seen, seen
         if before is None or self.by_vertices or seen.scene is not before.scene:
             self._set_scene(seen)
+        self._set_reach(seen.eye)
         for zone, atlas in zip(self._zones, (seen.through, seen.around, None), strict=True):
             if atlas is not None:
                 zone.see(seen, atlas)
@@ -96,10 +98,8 @@ class JitterPass:
         """
         if self.by_vertices:
             raise LensBenchError("other actors are seen through the lens only by the field's atlas")
-        low, high = np.array(actor.GetBounds()).reshape(3, 2).T
-        eye = np.array(self.renderer.GetActiveCamera().GetPosition())
-        nearest, farthest = np.clip(eye, low, high), np.where(np.abs(low - eye) > np.abs(high - eye), low, high)
-        self._reach(np.linalg.norm([nearest - eye, farthest - eye], axis=1))
+        self._added.append(np.array(actor.GetBounds()).reshape(3, 2).T)
+        self._set_reach(np.array(self.renderer.GetActiveCamera().GetPosition()))
         self.renderer.RemoveActor(actor)
         for zone in self._zones[:2]:
             self.renderer.AddActor(zone.take(twin_of(actor)))
@@ -142,9 +142,7 @@ class JitterPass:
 
     def _set_scene(self, seen: SeenScene) -> None:
         self.renderer.SetBackground(*(code / 255 for code in seen.scene.background))
-        reach = np.concatenate([np.linalg.norm(part.points - seen.eye, axis=1) for part in seen.scene.drawn])
-        self._clipping = np.inf, 0.0
-        self._reach(reach)
+        self._added = []
         textures = [image_texture(part.image) for part in seen.scene.drawn]
         for zone, lens in zip(self._zones, (seen.lens, None), strict=False):
             if not self.by_vertices:
@@ -156,11 +154,15 @@ class JitterPass:
             self._fill(zone, actors)
         self._set_rim(seen)
 
-    def _reach(self, distances: Floats) -> None:
-        """Widen the clipping range to what stands at these distances from the eye, however it is refracted."""
-        near, far = self._clipping
-        nearest = max(float(distances.min()), 1e-4 * float(distances.max()))
-        self._clipping = min(near, 0.5 * nearest), max(far, 2.0 * float(distances.max()))
+    def _set_reach(self, eye: Floats) -> None:
+        """Clip before and behind what stands in the scene, however it is refracted."""
+        assert self.seen is not None
+        reach = [np.linalg.norm(part.points - eye, axis=1) for part in self.seen.scene.drawn]
+        for low, high in self._added:
+            farthest = np.where(np.abs(low - eye) > np.abs(high - eye), low, high)
+            reach.append(np.linalg.norm([np.clip(eye, low, high) - eye, farthest - eye], axis=1))
+        nearest, last = (float(pick(np.concatenate(reach))) for pick in (np.min, np.max))
+        self._clipping = 0.5 * max(nearest, 1e-4 * last), 2.0 * last
 
     def _set_rim(self, seen: SeenScene) -> None:
         rim = [] if seen.edge is None else [rim_actor(seen.edge)]
