@@ -239,7 +239,7 @@ class PointReading:
     degrees.
 
     mean_error, astigmatic_error: as-worn less ordered power (mean; magnitude of the astigmatic difference), D; prism_error:
-    magnitude of the difference of the focimeter's to the ordered prism, cm/m; each None where nothing is ordered.
+    magnitude of the difference of the focimeter's to the prism that it should read, cm/m; each None where nothing is ordered.
     lensmeter_...: back vertex power and prism along the back normal, see optics.lensmeter.
     """
 

@@ -33,8 +33,8 @@ def _reading(field: GazeField, by_focimeter: VertexPower, k: int, name: str, dis
     mean_error, astigmatic_error = _against_order(lens, name, power)
     read, read_prism = by_focimeter.power[k], by_focimeter.prism[k]
     prism_error = None
-    if lens.ordered is not None and name == "prism_reference_point":
-        prism_error = float(np.linalg.norm(read_prism - lens.ordered.prism_components()))
+    if lens.expected_by_focimeter is not None and name == "prism_reference_point":
+        prism_error = float(np.linalg.norm(read_prism - lens.expected_by_focimeter.prism_components()))
     return PointReading(
         name,
         x,

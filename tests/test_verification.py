@@ -45,7 +45,7 @@ def test_a_lens_made_to_its_order_is_within(toric):
     assert list(lines) == ["sphere", "cylinder", "axis", "prism"]
     assert all(line.within and line.excess == 0 for line in lines.values())
     sphere = lines["sphere"]
-    assert (sphere.ordered, sphere.measured, sphere.tolerance) == pytest.approx((-2.0, -2.0, 0.13), abs=1e-4)
+    assert (sphere.expected, sphere.measured, sphere.tolerance) == pytest.approx((-2.0, -2.0, 0.13), abs=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_prism_is_shown_with_its_base_so_that_the_difference_can_be_followed(pro
     line = lines_of(progressive)["prism"]
     wanted, found, off = (
         size * np.array([np.cos(np.radians(base)), np.sin(np.radians(base))])
-        for size, base in zip((line.ordered, line.measured, line.deviation), line.bases, strict=True)
+        for size, base in zip((line.expected, line.measured, line.deviation), line.bases, strict=True)
     )
     assert found - wanted == pytest.approx(off, abs=1e-12)
     assert row_of(line)[2:5] == ("1.50 base 270°", "1.55 base 275°", "0.14 base 344°")

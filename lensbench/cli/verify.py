@@ -50,7 +50,7 @@ def print_verification(args: argparse.Namespace) -> None:
         print(to_json(asdict(found)))
         return
     rows = [row_of(line) for line in found.lines]
-    cells = [("", "ordered", "measured", "off by", "allowed", ""), *((f"{r[0]} ({r[1]})", *r[2:]) for r in rows)]
+    cells = [("", "expected", "measured", "off by", "allowed", ""), *((f"{r[0]} ({r[1]})", *r[2:]) for r in rows)]
     widths = [max(len(line[k]) for line in cells) for k in range(5)]
     for name, *numbers, verdict in cells:
         texts = [f"{text:>{width}}" for text, width in zip(numbers, widths[1:], strict=True)]

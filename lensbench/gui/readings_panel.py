@@ -86,7 +86,7 @@ class TolerancePanel(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.table = _Table(["By focimeter", "Ordered", "Measured", "Deviation", "Tolerance", ""])
+        self.table = _Table(["By focimeter", "Expected", "Measured", "Deviation", "Tolerance", ""])
         self.said = QLabel(textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse, wordWrap=True)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -103,8 +103,8 @@ class TolerancePanel(QWidget):
 
 
 def _tolerance_row(line: ToleranceLine) -> list[str]:
-    name, unit, ordered, measured, deviation, tolerance, verdict = row_of(line)
-    return [f"{name} ({unit})", ordered, measured, deviation, f"± {tolerance}", verdict]
+    name, unit, expected, measured, deviation, tolerance, verdict = row_of(line)
+    return [f"{name} ({unit})", expected, measured, deviation, f"± {tolerance}", verdict]
 
 
 class ProbePanel(QWidget):

@@ -18,7 +18,7 @@ def with_curvature_added(surface: Surface, added: Floats, box: Box) -> Surface:
     """A surface whose vertex has another curvature matrix: `added` (2, 2) more, symmetric, 1/mm, in the surface frame.
 
     Spheres and tori become tori, biconics biconics with their conic constants; on a spline, and on any other closed form
-    as a spline over the box (x min, x max, y min, y max, mm), a paraboloid is laid, sag -p.added.p / 2.
+    as a spline over the box (x min, x max, y min, y max, mm, lens frame), a paraboloid is laid, sag -p.added.p / 2.
     """
     pose = {"decentration": surface.decentration, "tilt": surface.tilt, "note": surface.note}
     if surface.kind in (kernel.TORIC, kernel.BICONIC):
@@ -26,7 +26,8 @@ def with_curvature_added(surface: Surface, added: Floats, box: Box) -> Surface:
     if surface.kind == kernel.CONIC and not surface.p[1:].any():
         return _with_meridians(toric(surface.p[0], surface.p[0], 0.0), added, pose)
     if surface.kind != kernel.SPLINE:
-        arrays = as_bspline(surface, box)
+        dx, dy = surface.decentration
+        arrays = as_bspline(surface, (box[0] - dx, box[1] - dx, box[2] - dy, box[3] - dy))
         surface = bspline(arrays.knots_x, arrays.knots_y, arrays.coefficients, arrays.degree, **pose)
     return _with_paraboloid(surface, added)
 

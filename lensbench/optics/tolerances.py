@@ -59,15 +59,15 @@ class Tolerances:
 
 @dataclass(frozen=True, slots=True)
 class ToleranceLine:
-    """One line of a verification: ordered and measured value, deviation (measured less ordered; axis: the smaller angle;
+    """One line of a verification: expected and measured value, deviation (measured less expected; axis: the smaller angle;
     prism: magnitude of the difference) and the greatest deviation allowed, in `unit`; excess over it, 0 when within.
 
-    bases: of a prism, directions of the base (degrees) of the ordered and the measured one and of their difference.
+    bases: of a prism, directions of the base (degrees) of the expected and the measured one and of their difference.
     """
 
     name: str
     unit: str
-    ordered: float
+    expected: float
     measured: float
     deviation: float
     tolerance: float
@@ -178,9 +178,9 @@ def _allowed(steps: tuple[Step, ...], size: float, power: float) -> float:
 
 
 def _line(
-    name: str, unit: str, ordered: float, measured: float, tolerance: float, deviation: float | None = None
+    name: str, unit: str, expected: float, measured: float, tolerance: float, deviation: float | None = None
 ) -> ToleranceLine:
-    off = measured - ordered if deviation is None else deviation
+    off = measured - expected if deviation is None else deviation
     excess = abs(off) - tolerance
     within = excess <= 1e-9
-    return ToleranceLine(name, unit, ordered, measured, off, tolerance, within, 0.0 if within else excess)
+    return ToleranceLine(name, unit, expected, measured, off, tolerance, within, 0.0 if within else excess)

@@ -11,7 +11,7 @@ class Row(NamedTuple):
 
     name: str
     unit: str
-    ordered: str
+    expected: str
     measured: str
     deviation: str
     tolerance: str
@@ -21,9 +21,9 @@ class Row(NamedTuple):
 def row_of(line: ToleranceLine) -> Row:
     """A line as text. Prisms are written with their bases, the deviation with that of the difference."""
     unit, digits = ("°", 1) if line.unit == "deg" else (line.unit, 2)
-    values = [_number(line.ordered, digits), _number(line.measured, digits), _number(line.deviation, digits, "+")]
+    values = [_number(line.expected, digits), _number(line.measured, digits), _number(line.deviation, digits, "+")]
     if line.bases:
-        sizes = line.ordered, line.measured, line.deviation
+        sizes = line.expected, line.measured, line.deviation
         values = [_prism(size, base) for size, base in zip(sizes, line.bases, strict=True)]
     off = f"outside by {line.excess:.{digits}f}"
     verdict = "within" if line.within else off if line.excess == line.excess else "no reading"

@@ -143,7 +143,7 @@ def test_tolerances_are_those_of_run_and_a_miss_is_said(qtbot):
     panel.show_verification(replace(found, lines=(*found.lines, miss, unread)))
     for k, line in enumerate((*found.lines, miss)):
         assert [float(v.split(" ")[0]) for v in cells(panel.table, k)[1:4]] == pytest.approx(
-            [line.ordered, line.measured, line.deviation], abs=0.051 if line.unit == "deg" else 0.0051
+            [line.expected, line.measured, line.deviation], abs=0.051 if line.unit == "deg" else 0.0051
         )
         assert cells(panel.table, k)[5] == ("within" if line.within else f"outside by {line.excess:.2f}")
     assert "outside by 0.18" in cells(panel.table, len(found.lines))

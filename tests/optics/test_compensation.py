@@ -122,6 +122,12 @@ def test_a_lens_with_a_spline_on_its_back_keeps_its_progression():
     assert np.abs(change).max() > 0.005
 
 
+def test_a_decentred_asphere_still_reaches_the_edge():
+    lens = single_vision(surfaces.conic(0.010, -0.5, [1e-8], decentration=(4.0, -3.0)))
+    made = verification_power(lens, wearer_as_ordered(ORDER, WEAR), ORDER).lens
+    assert np.isfinite(made.thickness(*lens.outline.points())).all()
+
+
 def test_what_cannot_be_made_is_said():
     points = Points(distance_reference_point=(500.0, 0.0))
     lens = replace(single_vision(surfaces.sphere(100.0)), name="minute", points=points)
