@@ -95,7 +95,8 @@ class EllipseLayer:
 class VoxelLayer:
     """Blur matrices in the voxels of a view frustum: nx x ny gazes, nz planes equally spaced in NDC depth.
 
-    near, far: mm ahead of the centre of rotation. half_angle: rad. Kakimoto, Tatsukawa & Nishita 2010.
+    near, far: mm ahead of the centre of rotation. half_angle: rad. exaggeration: of all matrices. ndc:
+    also in the picture's own units. Kakimoto, Tatsukawa & Nishita 2010.
     """
 
     nx: int
@@ -105,6 +106,8 @@ class VoxelLayer:
     far: float = 10000.0
     half_angle: float = float(np.radians(28.0))
     accommodation: Accommodation = "retina"
+    exaggeration: float = 1.0
+    ndc: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -368,14 +371,17 @@ class EllipseSheet(ReadOnlyArrays):
 class VoxelField(ReadOnlyArrays):
     """blur (2, 2, ny, nx, nz) float32: four planes M11, M12, M21, M22, mm across the outgoing rays; u (nx,), v (ny,):
     tangents of the gaze; depth (nz,): mm ahead of the centre of rotation; status (ny, nx). NaN where a ray failed or the
-    plane lies behind the lens.
+    plane lies behind the lens. ndc: the same as blur, in NDC units of the picture of the turning eye (x to the wearer's
+    left, y up, 2 from side to side); None where not asked for.
     """
 
+    layer: VoxelLayer
     u: Floats
     v: Floats
     depth: Floats
     blur: NDArray[np.float32]
     status: NDArray[np.int8]
+    ndc: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -56,7 +56,7 @@ from .optics.lens import Lens, Order, Outline
 from .optics.object_distance import model_distance
 from .optics.ordered import wearer_as_ordered
 from .optics.tolerances import Verification, verification
-from .optics.voxels import blur_on_planes, distance_to_plane
+from .optics.voxels import blur_on_planes, distance_to_plane, ndc_blur
 from .probe import read_probe
 from .quantities import QUANTITIES
 from .readings import point_readings
@@ -288,9 +288,14 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
     _some_ray_passes(field)
     ndc = np.linspace(0.0, 1.0, layer.nz)
     depth = layer.near * layer.far / (layer.far - ndc * (layer.far - layer.near))
-    blur = blur_on_planes(field, request.wearer.centre_of_rotation[2] + depth, layer.accommodation)
+    z = request.wearer.centre_of_rotation[2] + depth
+    blur = blur_on_planes(field, z, layer.accommodation)
+    if layer.exaggeration != 1:
+        blur *= np.float32(layer.exaggeration)
+    shape = 2, 2, *field.shape, depth.size
+    ndc = ndc_blur(field, z, blur, layer.half_angle).reshape(shape) if layer.ndc else None
     u, v = grid.axes()
-    return VoxelField(u, v, depth, blur.reshape(2, 2, *field.shape, depth.size), field.status.reshape(field.shape))
+    return VoxelField(layer, u, v, depth, blur.reshape(shape), field.status.reshape(field.shape), ndc)
 
 
 @_answer.register

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import pyvista
 
 from lensbench.cli import main
 
@@ -79,6 +80,40 @@ def test_voxels_as_npz(tmp_path):
         assert file["blur"].shape == (2, 2, 5, 6, 4)
 
 
+def test_voxels_tell_their_camera_units_and_viewer(tmp_path):
+    path, image = tmp_path / "blur.npz", tmp_path / "blur.vti"
+    wanted = ["voxels", REGULAR, "-n", "6", "5", "4", "--fov", "40", "--ndc"]
+    assert main([*wanted, "-o", str(path)]) == 0
+    assert main([*wanted, "--exaggeration", "3", "-o", str(image)]) == 0
+    with np.load(path) as file:
+        about, blur, ndc, u = json.loads(str(file["about"])), file["blur"], file["ndc"], file["u"]
+    assert u[-1] == pytest.approx(np.tan(np.radians(20)))
+    assert about["camera"]["field_of_view_deg"] == pytest.approx(40)
+    assert {"blur", "ndc", "depth"} <= set(about["units"])
+    assert "pupil" in about["seen_by"]
+    assert "rule retina" in about["seen_by"]
+    shown = pyvista.read(image)
+    assert shown.dimensions == (6, 5, 4)
+    assert json.loads(shown.field_data["about"][0])["exaggeration"] == 3
+    k = shown.find_closest_point((-1 + 2 * 4 / 5, -1 + 2 * 1 / 4, 2 / 3))
+    np.testing.assert_allclose(shown["blur_mm"][k], 3 * blur[:, :, 1, 4, 2].ravel(), rtol=1e-6)
+    np.testing.assert_allclose(shown["ndc"][k], 3 * ndc[:, :, 1, 4, 2].ravel(), rtol=1e-6)
+
+
+def test_ellipses_name_eye_pupil_and_rule_and_are_drawn_as_asked(tmp_path):
+    path = tmp_path / "eoc.svg"
+    wanted = ["eoc", REGULAR, "-n", "5", "--fov", "30", "--exaggeration", "3", "--accommodation", "paper"]
+    assert main([*wanted, "--depths", "40cm", "-o", str(path)]) == 0
+    text = path.read_text()
+    assert "pupil 4 mm, accommodation rule paper" in text
+    assert "ellipses ×3" in text
+    numbers = tmp_path / "eoc.json"
+    assert main([*wanted, "--depths", "40cm", "-o", str(numbers)]) == 0
+    rows = json.loads(numbers.read_text())
+    naked_reach = 400 * np.tan(np.radians(15))
+    assert max(row["x_mm"] for row in rows) == pytest.approx(naked_reach, rel=0.25)
+
+
 def test_doctor_names_versions_and_threads(capsys):
     assert main(["doctor", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
@@ -126,6 +161,9 @@ def test_bad_input_is_one_sentence_and_exit_2(arguments, tmp_path, monkeypatch, 
         *(["map", REGULAR, "-d", text] for text in ("40", "0cm", "-4m", "near", "1e3mm")),
         ["eoc", REGULAR, "--depths", "inf"],
         ["eoc", REGULAR, "-n", "0"],
+        ["eoc", REGULAR, "--fov", "0"],
+        ["eoc", REGULAR, "--exaggeration", "nan"],
+        ["voxels", REGULAR, "--fov", "170"],
         ["voxels", REGULAR, "-n", "4", "4", "-4"],
         ["view", REGULAR, "--gaze", "180", "0"],
         ["paint", REGULAR],

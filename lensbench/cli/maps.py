@@ -16,6 +16,8 @@ from .options import (
     depth,
     distance,
     distance_or_name,
+    factor,
+    field_of_view,
     kind_of,
     lens_and_wearer,
     load_case,
@@ -78,16 +80,29 @@ def _add_eoc(verbs: Any) -> None:
     lens_and_wearer(verb)
     verb.add_argument("--depths", type=depth, nargs="+", default=[270.0, 780.0, 3400.0], help="(27cm 78cm 340cm)")
     verb.add_argument("-n", type=count, default=32, help="ellipses along each side (32)")
+    verb.add_argument(
+        "--fov", type=field_of_view, default=math.radians(28), metavar="DEG", help="full angle each way (56)"
+    )
+    verb.add_argument(
+        "--exaggeration", type=factor, metavar="X", help="of all ellipses in the picture; else what suits"
+    )
     accommodation_option(verb)
     output_option(verb, "eoc.png")
 
 
 def _add_voxels(verbs: Any) -> None:
-    verb = add_verb(verbs, "voxels", write_voxels, "the blur field of a view frustum, a matrix a voxel, as .npz")
+    verb = add_verb(
+        verbs, "voxels", write_voxels, "the blur field of a view frustum, a matrix a voxel, as .npz or .vti"
+    )
     lens_and_wearer(verb)
     verb.add_argument("-n", type=count, nargs=3, default=[64, 64, 64], metavar=("NX", "NY", "NZ"), help="(64 64 64)")
     verb.add_argument("--near", type=depth, default=200.0, help="nearest plane (20cm)")
     verb.add_argument("--far", type=depth, default=10000.0, help="farthest plane (10m)")
+    verb.add_argument(
+        "--fov", type=field_of_view, default=math.radians(28), metavar="DEG", help="full angle each way (56)"
+    )
+    verb.add_argument("--exaggeration", type=factor, default=1.0, metavar="X", help="of all matrices (1)")
+    verb.add_argument("--ndc", action="store_true", help="also as 2 x 2 matrices in the picture's NDC")
     accommodation_option(verb)
     verb.add_argument(
         "-o", "--output", type=Path, default=Path("blur_field.npz"), metavar="FILE", help="(blur_field.npz)"
@@ -168,25 +183,35 @@ def write_ellipses(args: argparse.Namespace) -> None:
 
     kind = kind_of(args.output, ".png", ".svg", ".csv", ".json")
     lens, wearer = load_case(args)
-    layer = EllipseLayer(tuple(args.depths), args.n, accommodation=accommodation(args.accommodation))
+    layer = EllipseLayer(tuple(args.depths), args.n, args.fov, accommodation(args.accommodation))
     sheets = run(Request(lens, wearer, layer))
-    picture = partial(_ellipse_picture, lens, wearer, sheets)
+    picture = partial(_ellipse_picture, args, lens, wearer, sheets)
     deliver(args, kind, ellipse_rows(sheets), partial(ellipses_csv, sheets), picture)
 
 
-def _ellipse_picture(lens: "Lens", wearer: "Wearer", sheets: Any) -> Any:
+def _ellipse_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", sheets: Any) -> Any:
+    from ..report.facts import viewer_text
     from ..views.ellipses import ellipse_figure
 
-    return ellipse_figure(lens, wearer, sheets)
+    about = viewer_text(wearer, accommodation(args.accommodation))
+    return ellipse_figure(lens, wearer, sheets, args.exaggeration, subtitle=about)
 
 
 def write_voxels(args: argparse.Namespace) -> None:
     """lensbench voxels LENS."""
     from ..layers import Request, VoxelLayer
-    from ..report.tables import voxels_npz
+    from ..report.tables import voxels_about, voxels_npz
     from ..workbench import run
 
-    kind_of(args.output, ".npz")
+    kind = kind_of(args.output, ".npz", ".vti")
     lens, wearer = load_case(args)
-    layer = VoxelLayer(*args.n, args.near, args.far, accommodation=accommodation(args.accommodation))
-    write(args.output, voxels_npz(run(Request(lens, wearer, layer))))
+    rule = accommodation(args.accommodation)
+    layer = VoxelLayer(*args.n, args.near, args.far, args.fov, rule, args.exaggeration, args.ndc)
+    found = run(Request(lens, wearer, layer))
+    about = voxels_about(lens, wearer, found)
+    if kind == ".npz":
+        write(args.output, voxels_npz(found, about))
+        return
+    from ..views.voxel_image import voxels_vti
+
+    write(args.output, voxels_vti(found, about))

@@ -138,6 +138,28 @@ def gaze_angle(text: str) -> float:
     return value
 
 
+def field_of_view(text: str) -> float:
+    """A full angle in degrees, from 1 to 150; half of it in rad."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 1 <= value <= 150:
+        raise argparse.ArgumentTypeError(f"{text!r} is no field of view; write degrees from 1 to 150")
+    return math.radians(value / 2)
+
+
+def factor(text: str) -> float:
+    """A factor from 0.01 to 10000."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.01 <= value <= 10000:
+        raise argparse.ArgumentTypeError(f"{text!r} is no factor; write a number from 0.01 to 10000")
+    return value
+
+
 def distance_or_name(text: str) -> float | str:
     """A distance, "scene" for whatever each ray meets in the scene, or "model" for the wearer's own distances."""
     return text if text in ("scene", "model") else distance(text)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import kernels
-from .conventions import Floats
+from .conventions import Floats, inverse_2x2
 from .field import Accommodation, GazeField
 
 
@@ -32,6 +32,23 @@ def blur_on_planes(
     fill = kernels.surface.compiled(kernels.voxels.fill, kernels.voxels.SIGNATURE)
     fill(field.origin, field.direction, field.transfer, numbers, used, planes, out)
     return blur
+
+
+def ndc_blur(field: GazeField, z: Floats, blur: NDArray[np.float32], half_angle: float) -> NDArray[np.float32]:
+    """Blur matrices (2, 2, n, k) of blur_on_planes as the picture of the turning eye shows them: its NDC by pupil vector.
+
+    half_angle: of the picture, rad. NDC: tangent of the gaze over that of half_angle, x to the wearer's left, y up.
+    """
+    out = np.empty_like(blur)
+    tangent = field.directions[:, :2] / field.directions[:, 2:]
+    across = field.gaze_frame[:, :2]
+    per_turn = (across[..., :2] - across[..., 2:] * tangent[:, None]) / field.directions[:, 2:, None]
+    per_turn = np.swapaxes(per_turn, 1, 2) / np.tan(half_angle)
+    for k, plane in enumerate(z):
+        distance = distance_to_plane(field, plane)
+        turn = inverse_2x2(field.gaze_derivative(distance)) / distance[:, None, None]
+        out[..., k] = np.moveaxis(per_turn @ turn @ np.moveaxis(blur[..., k], -1, 0), 0, -1)
+    return out
 
 
 def distance_to_plane(field: GazeField, z: float | Floats) -> Floats:

@@ -8,6 +8,7 @@ import numpy as np
 from ..formats.surface_data import Reading
 from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from ..optics.eye import Wear, Wearer
+from ..optics.field import Accommodation
 from ..optics.lens import Lens, Order
 from ..optics.lensmeter import surface_power
 from ..scenes.facts import scene_facts
@@ -44,6 +45,14 @@ def wear_text(wear: Wear) -> str:
         f"vertex distance {wear.vertex_distance:g} mm, pantoscopic angle {panto:g}°, face-form angle {face:g}°, "
         f"near distance {wear.near_distance:g} mm"
     )
+
+
+def viewer_text(wearer: Wearer, rule: Accommodation) -> str:
+    """Who looks, in a line for a picture: refraction, amplitude and pupil of the eye, and how it accommodates."""
+    eye = wearer.eye
+    power, amplitude = prescription_text(eye.refraction), f"{eye.accommodation:.2f}"
+    focus = f"accommodation rule {rule}" if isinstance(rule, str) else f"accommodating {np.mean(rule):.2f} D"
+    return f"eye {power} D, amplitude {amplitude} D, pupil {eye.pupil_diameter:g} mm, {focus}"
 
 
 def misfit(lens: Lens, wearer: Wearer) -> str:

@@ -10,7 +10,11 @@ import numpy as np
 
 from ..layers import Deviation, DistortionGrid, EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
 from ..optics.conventions import Status
+from ..optics.eye import Wearer
+from ..optics.lens import Lens
+from ..output import to_json
 from ..pair import ConvergencePath
+from .facts import viewer_text
 
 
 def distance_text(distance: float | str) -> str:
@@ -173,8 +177,35 @@ def ellipses_csv(sheets: tuple[EllipseSheet, ...]) -> str:
     return out.getvalue()
 
 
-def voxels_npz(voxels: VoxelField) -> bytes:
-    """The blur field as a compressed .npz: blur, u, v, depth, status as in VoxelField."""
+def voxels_about(lens: Lens, wearer: Wearer, voxels: VoxelField) -> dict[str, Any]:
+    """What a blur field says of itself: whose it is, the camera that its frustum belongs to, units."""
+    layer = voxels.layer
+    return {
+        "lens": lens.name,
+        "seen_by": viewer_text(wearer, layer.accommodation),
+        "exaggeration": layer.exaggeration,
+        "camera": {
+            "position_mm": wearer.centre_of_rotation,
+            "ahead": [0, 0, 1],
+            "up": [0, 1, 0],
+            "field_of_view_deg": 2 * math.degrees(layer.half_angle),
+            "near_mm": layer.near,
+            "far_mm": layer.far,
+        },
+        "frame": "wear frame, mm: x to the wearer's left, y up, z ahead, the back vertex at 0",
+        "units": {
+            "blur": "mm, across the outgoing ray, by unit vector of the pupil: M11 M12 M21 M22",
+            "ndc": "NDC of the picture (x to the wearer's left, y up, -1 to 1), by unit vector of the pupil; -x to the right",
+            "u, v": "tangent of the gaze",
+            "depth": "mm",
+        },
+    }
+
+
+def voxels_npz(voxels: VoxelField, about: dict[str, Any]) -> bytes:
+    """The blur field as a compressed .npz: blur, u, v, depth, status (and ndc) as in VoxelField; about: JSON text."""
     buffer = io.BytesIO()
-    np.savez_compressed(buffer, **{f.name: getattr(voxels, f.name) for f in fields(voxels)})
+    arrays = {f.name: getattr(voxels, f.name) for f in fields(voxels) if f.name != "layer"}
+    arrays = {name: array for name, array in arrays.items() if array is not None}
+    np.savez_compressed(buffer, about=to_json(about), **arrays)
     return buffer.getvalue()

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from lensbench.optics.eye import Eye
-from lensbench.optics.gaze import GazeGrid, trace
-from lensbench.optics.voxels import blur_on_planes, distance_to_plane
+from lensbench.optics.gaze import GazeGrid, look_at, trace
+from lensbench.optics.voxels import blur_on_planes, distance_to_plane, ndc_blur
 
 PLANES = np.array([-5.0, 60.0, 250.0, 700.0, 3400.0, 10000.0])
 EYES = {"presbyope": 0.0, "in between": 1.5, "young": 8.0}
@@ -48,6 +48,23 @@ def test_voxels_of_the_naked_eye_by_the_definition(worn):
             vergence = wearer.eye.pupil_refraction - field.accommodation(s)[i] * np.eye(2)
             expected = naive.blur(field.transfer[i], vergence, s, wearer.eye.pupil_diameter / 2)
             assert blur[:, :, i, k] == pytest.approx(expected, abs=2e-6 + 1e-8 * s)
+
+
+@pytest.mark.parametrize("with_lens", [True, False])
+def test_a_point_spreads_in_the_picture_as_its_ndc_matrix_says(worn, with_lens):
+    """The turning eye looks at points displaced by M d, found by Newton's method on real chief rays."""
+    lens, wearer, _ = worn
+    lens, half, step = lens if with_lens else None, 0.5, 1e-4
+    field = trace(lens, wearer, GazeGrid(5, 4, half, half)).take(slice(6, 9))
+    blur = blur_on_planes(field, PLANES[2:])
+    found = ndc_blur(field, PLANES[2:], blur, half)
+    for k, plane in enumerate(PLANES[2:]):
+        point = field.origin + distance_to_plane(field, plane)[:, None] * field.direction
+        for axis in (0, 1):
+            aside = np.einsum("ni,nij->nj", blur[:, axis, :, k].T, field.frame[:, :2])
+            seen = [look_at(lens, wearer, point + sign * step * aside).directions for sign in (1, -1)]
+            ndc = [d[:, :2] / d[:, 2:] / np.tan(half) for d in seen]
+            np.testing.assert_allclose(found[:, axis, :, k].T, (ndc[0] - ndc[1]) / (2 * step), rtol=1e-4, atol=1e-6)
 
 
 def test_planes_behind_the_lens_hold_nothing(worn):
