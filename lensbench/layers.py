@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from .formats.power_map import PowerMap
 from .optics.atlas import FieldAtlas
+from .optics.conoid import GazeConoids
 from .optics.conventions import Floats, ReadOnlyArrays
 from .optics.eye import Wearer
 from .optics.field import Accommodation
@@ -88,6 +89,16 @@ class EllipseLayer:
     depths: tuple[float, ...] = (270.0, 780.0, 3400.0)
     n: int = 32
     half_angle: float = float(np.radians(28.0))
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
+class ConoidLayer:
+    """The spread of light along one gaze (azimuth, elevation: rad), for an object at `distance` as in MapLayer."""
+
+    azimuth: float = 0.0
+    elevation: float = 0.0
+    distance: float | str = 400.0
     accommodation: Accommodation = "retina"
 
 
@@ -182,6 +193,7 @@ Layer = (
     | RealRaysLayer
     | DistortionLayer
     | EllipseLayer
+    | ConoidLayer
     | VoxelLayer
     | ViewLayer
     | DefocusLayer
@@ -452,6 +464,7 @@ Result = (
     | RealRays
     | DistortionGrid
     | tuple[EllipseSheet, ...]
+    | GazeConoids
     | VoxelField
     | SeenScene
     | DefocusView

@@ -34,6 +34,7 @@ KINDS = {
     "profile": "Power profile",
     "distortion": "Distortion grid",
     "ellipses": "Ellipses of confusion",
+    "conoid": "Conoid of the probed gaze",
     "view": "Simulated view",
 }
 

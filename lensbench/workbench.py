@@ -16,6 +16,7 @@ from .errors import InputError
 from .formats.tolerance_file import load_tolerances
 from .layers import (
     AgainstLayer,
+    ConoidLayer,
     DefocusLayer,
     DefocusView,
     Deviation,
@@ -42,6 +43,7 @@ from .layers import (
     VoxelLayer,
 )
 from .optics.compensation import verification_power
+from .optics.conoid import GazeConoids, gaze_conoids
 from .optics.conventions import Floats, Status, astigmatism, mean_power, rotation_xy
 from .optics.distortion import seen_chart
 from .optics.eye import Eye, Wear, Wearer
@@ -49,6 +51,7 @@ from .optics.field import Accommodation, GazeField, ellipse
 from .optics.gaze import (
     GazeGrid,
     angles_from_direction,
+    direction_from_angles,
     look_through,
     trace,
 )
@@ -277,6 +280,15 @@ def _sheet(field: GazeField, depth: float, rule: Accommodation) -> EllipseSheet:
 
 
 @_answer.register
+def conoids(layer: ConoidLayer, request: Request) -> GazeConoids:
+    """The spread of light along one gaze, relaxed, tense and as the eye accommodates."""
+    field = trace(request.lens, request.wearer, direction_from_angles([layer.azimuth], [layer.elevation]))
+    known = field.status[0] == Status.OK
+    distance = np.broadcast_to(_object_distance(layer.distance, field, request), 1)[0] if known else np.nan
+    return gaze_conoids(field, float(distance), layer.accommodation)
+
+
+@_answer.register
 def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
     """The blur field of the paper: one matrix a voxel."""
     if min(layer.nx, layer.ny, layer.nz) < 1 or not 0 < layer.near < layer.far < np.inf:
@@ -286,8 +298,8 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
     grid = GazeGrid(layer.nx, layer.ny, layer.half_angle, layer.half_angle)
     field = trace(request.lens, request.wearer, grid)
     _some_ray_passes(field)
-    ndc = np.linspace(0.0, 1.0, layer.nz)
-    depth = layer.near * layer.far / (layer.far - ndc * (layer.far - layer.near))
+    share = np.linspace(0.0, 1.0, layer.nz)
+    depth = layer.near * layer.far / (layer.far - share * (layer.far - layer.near))
     z = request.wearer.centre_of_rotation[2] + depth
     blur = blur_on_planes(field, z, layer.accommodation)
     if layer.exaggeration != 1:

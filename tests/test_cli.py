@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
+from PIL import Image
 
 from lensbench.cli import main
 
@@ -112,6 +113,33 @@ def test_ellipses_name_eye_pupil_and_rule_and_are_drawn_as_asked(tmp_path):
     rows = json.loads(numbers.read_text())
     naked_reach = 400 * np.tan(np.radians(15))
     assert max(row["x_mm"] for row in rows) == pytest.approx(naked_reach, rel=0.25)
+
+
+def test_a_conoid_in_numbers_along_the_ray_and_as_a_picture(tmp_path, capsys):
+    toric, wearer = str(SAMPLES / "toric_R.toml"), str(SAMPLES / "young_astigmat.toml")
+    wanted = ["conoid", toric, "-w", wearer, "--gaze", "15", "-20", "-d", "27cm"]
+    assert main([*wanted, "--json"]) == 0
+    numbers = json.loads(capsys.readouterr().out)
+    used = numbers["used"]
+    assert min(used["focal_lines_mm"]) < used["least_confusion_mm"] < max(used["focal_lines_mm"])
+    assert main([*wanted, "-o", str(tmp_path / "conoid.csv")]) == 0
+    rows = list(csv.DictReader((tmp_path / "conoid.csv").open()))
+    distance = np.array([float(row["distance_mm"]) for row in rows])
+    for k, line in ((2, min(used["focal_lines_mm"])), (1, max(used["focal_lines_mm"]))):
+        axis = np.array([float(row[f"used_axis_{k}_mm"]) for row in rows])
+        assert np.interp(line, distance, axis) == pytest.approx(0, abs=1e-4)
+    assert main([*wanted, "-o", str(tmp_path / "conoid.png")]) == 0
+    with Image.open(tmp_path / "conoid.png") as picture:
+        shades = np.asarray(picture.convert("RGB")).astype(int)
+    space = shades[90:480]
+    for red, green, blue in ((0xB3, 0x26, 0x1E), (0x1D, 0x7A, 0x46), (0x2F, 0x6F, 0xB5), (0xD9, 0x82, 0x2B)):
+        assert (np.abs(space - [red, green, blue]).max(axis=-1) < 60).sum() > 5
+
+
+def test_a_conoid_needs_a_gaze_through_the_lens(tmp_path, capsys):
+    assert main(["conoid", REGULAR, "--gaze", "75", "0", "-o", str(tmp_path / "conoid.png")]) == 2
+    assert "no ray passes the lens along 75 0" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_doctor_names_versions_and_threads(capsys):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from .. import __version__
 from ..errors import LensBenchError
-from . import files, gallery, gui, machine, maps, pair, report, verify, view
+from . import conoid, files, gallery, gui, machine, maps, pair, report, verify, view
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,6 +37,6 @@ def parser() -> argparse.ArgumentParser:
     top = argparse.ArgumentParser(prog="lensbench", description="What a spectacle lens does, and what its wearer sees.")
     top.add_argument("--version", action="version", version=f"lensbench {__version__}")
     verbs = top.add_subparsers(required=True, metavar="COMMAND")
-    for group in (gui, report, maps, pair, view, gallery, files, verify, machine):
+    for group in (gui, report, maps, conoid, pair, view, gallery, files, verify, machine):
         group.add_verbs(verbs)
     return top

@@ -23,6 +23,7 @@ from ..layers import EYES, Probe
 from ..optics.gaze import angles_from_direction
 from ..quantities import QUANTITIES
 from ..session import KINDS, Workbench
+from .conoid_content import ConoidContent
 from .content import Content
 from .document import Document
 from .lane import Lane
@@ -37,6 +38,7 @@ CONTENTS: dict[str, type[Content]] = {
     "profile": ProfileContent,
     "distortion": DistortionContent,
     "ellipses": EllipsesContent,
+    "conoid": ConoidContent,
     "view": ViewContent,
 }
 EYE_NAMES = {

@@ -34,7 +34,7 @@ from ..output import require_folder, to_json, write_file
 from ..quantities import QUANTITIES
 from ..scenes.scene import Scene
 from ..workbench import look, run
-from .facts import Fact, lens_facts, misfit, prescription_text, wearer_facts
+from .facts import Fact, gaze_text, lens_facts, misfit, prescription_text, wearer_facts
 from .html import Picture, picture_of, render
 from .progress import Progress
 from .tables import BLURRED, distance_text, distortion_numbers, map_numbers, real_rays_rows
@@ -209,17 +209,10 @@ def view_pictures(
             drawn = {
                 eye: studio.picture(view, PINHOLE_PASSES if view.layer.sharp else PASSES) for eye, view in seen.items()
             }
-            caption = f"Looking {name}: {_gaze_text(*gaze)} at the centre, 50° wide"
+            caption = f"Looking {name}: {gaze_text(*gaze)} at the centre, 50° wide"
             strip = side_by_side([(EYES[eye], drawn[eye]) for eye in EYES], caption)
             pictures[f"view_{name}"] = picture_of(f"view_{name}", caption, strip)
     return pictures
-
-
-def _gaze_text(azimuth: float, elevation: float) -> str:
-    left, up = np.degrees([azimuth, elevation]).round()
-    return (
-        f"gaze {abs(up):.0f}° {'down' if up < 0 else 'up'}, {abs(left):.0f}° to the {'right' if left < 0 else 'left'}"
-    )
 
 
 def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:

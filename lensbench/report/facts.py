@@ -52,7 +52,15 @@ def viewer_text(wearer: Wearer, rule: Accommodation) -> str:
     eye = wearer.eye
     power, amplitude = prescription_text(eye.refraction), f"{eye.accommodation:.2f}"
     focus = f"accommodation rule {rule}" if isinstance(rule, str) else f"accommodating {np.mean(rule):.2f} D"
-    return f"eye {power} D, amplitude {amplitude} D, pupil {eye.pupil_diameter:g} mm, {focus}"
+    return f"eye {power} D, amplitude {amplitude} D, pupil {eye.pupil_diameter:.3g} mm, {focus}"
+
+
+def gaze_text(azimuth: float, elevation: float) -> str:
+    """A direction of gaze (rad) in words."""
+    left, up = np.degrees([azimuth, elevation]).round()
+    return (
+        f"gaze {abs(up):.0f}° {'down' if up < 0 else 'up'}, {abs(left):.0f}° to the {'right' if left < 0 else 'left'}"
+    )
 
 
 def misfit(lens: Lens, wearer: Wearer) -> str:

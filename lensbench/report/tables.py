@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..layers import Deviation, DistortionGrid, EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
+from ..optics.conoid import GazeConoids
 from ..optics.conventions import Status
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
@@ -209,3 +210,31 @@ def voxels_npz(voxels: VoxelField, about: dict[str, Any]) -> bytes:
     arrays = {name: array for name, array in arrays.items() if array is not None}
     np.savez_compressed(buffer, about=to_json(about), **arrays)
     return buffer.getvalue()
+
+
+def conoid_numbers(found: GazeConoids) -> dict[str, Any]:
+    """The object's distance and, of each state of accommodation, focal lines, circle of least confusion, ellipse there (mm)."""
+    return {"distance_mm": found.distance} | {
+        name: {
+            "accommodation_D": conoid.accommodation,
+            "focal_lines_mm": conoid.focal_lines,
+            "least_confusion_mm": conoid.least_confusion,
+            "least_confusion_diameter_mm": 2 * conoid.eoc(conoid.least_confusion).semi_major,
+            "semi_major_mm": conoid.eoc(found.distance).semi_major,
+            "semi_minor_mm": conoid.eoc(found.distance).semi_minor,
+            "orientation_deg": np.degrees(conoid.eoc(found.distance).orientation),
+        }
+        for name, conoid in found.states.items()
+    }
+
+
+def conoid_csv(found: GazeConoids) -> str:
+    """Signed semi-axes (mm) of the three states along the ray: one line a distance from the front surface."""
+    reach = found.reach()
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(["distance_mm", *(f"{name}_axis_{k}_mm" for name in found.states for k in (1, 2))])
+    distance = np.linspace(0.0, reach, 201)
+    axes = [axis for conoid in found.states.values() for axis in conoid.signed_axes(distance)]
+    writer.writerows([f"{value:.6g}" for value in row] for row in np.stack([distance, *axes], axis=1))
+    return out.getvalue()

@@ -126,7 +126,7 @@ def draw_ellipses(
     bands: Bands,
 ) -> list[Floats]:
     """Put the eye, the lens and sheets, each with its exaggeration, on a stage; the corners (4, 3) round each sheet, mm."""
-    _add_wearer(plotter, lens, wearer)
+    add_wearer(plotter, lens, wearer)
     return [_add_sheet(plotter, sheet, wearer, bands, factor) for sheet, factor in sheets]
 
 
@@ -140,7 +140,7 @@ def _scenes(sheets: Iterable[tuple[EllipseSheet, float]]) -> list[list[tuple[Ell
     return groups
 
 
-def _add_wearer(plotter: pv.Plotter, lens: Lens | None, wearer: Wearer) -> None:
+def add_wearer(plotter: pv.Plotter, lens: Lens | None, wearer: Wearer) -> None:
     """The eyeball, 12 mm in radius, and the worn lens."""
     plotter.add_mesh(pv.Sphere(radius=12.0, center=wearer.centre_of_rotation), color="#d9c8b8", smooth_shading=True)
     if lens is not None:

@@ -8,7 +8,9 @@ from PySide6.QtCore import QObject, Signal
 
 from lensbench.gui.document import Document
 from lensbench.gui.viewport import CONTENTS, Viewport
+from lensbench.layers import ProbeLayer, Request
 from lensbench.session import KINDS, Workbench
+from lensbench.workbench import run
 
 
 class HeldLane(QObject):
@@ -19,7 +21,7 @@ class HeldLane(QObject):
 
     def __init__(self):
         super().__init__()
-        self.questions, self.dropped = [], 0
+        self.questions, self.dropped, self.haste = [], 0, 0.0
 
     def ask(self, asker, question, first=False):
         self.questions.append(question)
@@ -54,6 +56,39 @@ def stale(viewport):
 
 def test_every_kind_has_a_content():
     assert set(CONTENTS) == set(KINDS)
+
+
+def test_the_conoid_follows_the_probe_and_keeps_a_turned_camera(viewport, document, lane):
+    document.edit("Kind", lambda bench: bench.with_pane(0, kind="conoid"))
+    lane.answered.emit("viewport 1", lane.questions[-1]())
+    content = viewport.content
+    assert content.found.across[2] == pytest.approx([0, 0, 1], abs=1e-9)
+    asked = len(lane.questions)
+    probe = run(Request(document.workbench.lenses[0].lens, document.workbench.active_wearer, ProbeLayer((8.0, -10.0))))
+    viewport.show_probe(probe)
+    assert len(lane.questions) == asked + 1
+    assert stale(viewport)
+    lane.answered.emit("viewport 1", lane.questions[-1]())
+    assert content.found.frame[2] == pytest.approx(probe.outgoing, abs=1e-9)
+    assert content.found.exit == pytest.approx(probe.exit, abs=1e-6)
+    viewport.show_probe(probe)
+    assert len(lane.questions) == asked + 1
+    content.camera_moved.emit()
+    content.stage.stage.camera.position = (500.0, 0.0, 0.0)
+    viewport.show_probe(replace(probe, direction=np.array([0.0, 0.0, 1.0])))
+    lane.answered.emit("viewport 1", lane.questions[-1]())
+    assert content.stage.stage.camera.position == (500.0, 0.0, 0.0)
+    content.look("")
+    assert content.stage.stage.camera.position != (500.0, 0.0, 0.0)
+
+
+def test_the_conoid_says_when_no_ray_passes(viewport, document, lane):
+    document.edit("Kind", lambda bench: bench.with_pane(0, kind="conoid"))
+    viewport.content.gaze = (1.3, 0.0)
+    viewport.show_bench(None, document.workbench)
+    lane.answered.emit("viewport 1", lane.questions[-1]())
+    assert viewport.answered
+    assert viewport.content.found is None
 
 
 def test_a_picture_is_stale_until_its_successor_is_there(viewport, document, lane):
