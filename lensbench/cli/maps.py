@@ -212,6 +212,6 @@ def write_voxels(args: argparse.Namespace) -> None:
     if kind == ".npz":
         write(args.output, voxels_npz(found, about))
         return
-    from ..views.voxel_image import voxels_vti
+    from ..views.meshes import voxel_image, vtk_file
 
-    write(args.output, voxels_vti(found, about))
+    write(args.output, vtk_file(voxel_image(found), about))

@@ -11,20 +11,22 @@ from numpy.typing import ArrayLike
 
 from .conventions import Floats, ReadOnlyArrays, Status
 from .field import Accommodation, Ellipse, GazeField, ellipse
+from .foci import foci
 
 NO_OBJECT = 1000.0  # mm, how far to look along the ray where the object is at infinity
-FLATTEST = 1e-9  # 1/mm: a wave that is flatter has its focus at infinity
+FARTHEST = 1e9  # mm: what lies farther is at infinity
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Conoid(ReadOnlyArrays):
     """One state of accommodation (D): the blur matrix where the ray leaves the front surface (2, 2), mm, and its growth
-    (2, 2), mm per mm along the ray, both across the ray.
+    (2, 2), mm per mm along the ray, both across the ray. focal_lines: distances, mm, as in optics.foci; inf for parallel light.
     """
 
     accommodation: float
     at_exit: Floats
     growth: Floats
+    focal_lines: tuple[float, float]
 
     def blur(self, distance: ArrayLike) -> Floats:
         """Blur matrices (..., 2, 2), mm, at distances (...,) mm from the front surface; NaN at infinity."""
@@ -44,34 +46,18 @@ class Conoid(ReadOnlyArrays):
         return turning + stretching, turning - stretching
 
     @property
-    def focal_lines(self) -> tuple[float, float]:
-        """Distances, mm, at which the ellipse is a line (det M = 0): the nearer before the front surface first, then what
-        lies behind it (negative: the light diverges in that meridian); inf for parallel light.
-        """
-        a, g = self.at_exit, self.growth
-        c0, c2 = np.linalg.det(a), np.linalg.det(g)
-        c1 = a[0, 0] * g[1, 1] + a[1, 1] * g[0, 0] - a[0, 1] * g[1, 0] - a[1, 0] * g[0, 1]
-        root = np.sqrt(max(c1 * c1 - 4 * c0 * c2, 0.0))
-        near, far = sorted(((-c1 + root) / (2 * c0), (-c1 - root) / (2 * c0)), reverse=True)
-        return _distance(near), _distance(far)
-
-    @property
     def least_confusion(self) -> float:
-        """Distance, mm, of the circle of least confusion: where the signed semi-axes add up to nothing (least, if their
-        axes turn along the ray); negative or inf as for focal lines.
+        """Distance, mm, of the circle of least confusion: where the sum of the signed semi-axes changes its sign; negative
+        or inf as for focal lines.
         """
         start, growth = np.array(_rotation(self.at_exit)), np.array(_rotation(self.growth))
-        square = float(start @ start)
-        return _distance(-float(start @ growth) / square) if square > 0 else float("nan")
+        flat = abs(start @ growth) * FARTHEST < start @ start
+        return float("inf") if flat else -float(start @ start) / float(start @ growth)
 
 
 def _rotation(m: Floats) -> tuple[Floats, Floats]:
     """Of matrices (..., 2, 2) the part that is a turn times a factor: factor times cosine and sine."""
     return (m[..., 0, 0] + m[..., 1, 1]) / 2, (m[..., 1, 0] - m[..., 0, 1]) / 2
-
-
-def _distance(per_mm: float) -> float:
-    return 1 / per_mm if abs(per_mm) > FLATTEST else float("inf")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,6 +118,6 @@ def conoid(field: GazeField, accommodation: float) -> Conoid:
     eye, t = field.wearer.eye, field.transfer[0]
     vergence = (eye.pupil_refraction - accommodation * np.eye(2)) / 1000
     radius = eye.pupil_diameter / 2
-    return Conoid(
-        accommodation, radius * (t[:2, :2] + t[:2, 2:] @ vergence), radius * (t[2:, :2] + t[2:, 2:] @ vergence)
-    )
+    near, far = (float(line) if abs(line) < FARTHEST else np.inf for line in foci(field, accommodation).distance[0])
+    at_exit, growth = (radius * (t[rows, :2] + t[rows, 2:] @ vergence) for rows in (slice(0, 2), slice(2, 4)))
+    return Conoid(accommodation, at_exit, growth, (near, far))

@@ -14,7 +14,7 @@ from scipy.interpolate import RegularGridInterpolator
 from vtkmodules.vtkIOXML import vtkXMLImageDataWriter, vtkXMLPolyDataWriter, vtkXMLUnstructuredGridWriter
 
 from ..formats.vtp import lens_arrays
-from ..layers import EllipseSheet, LensMap
+from ..layers import EllipseSheet, LensMap, VoxelField
 from ..optics.bundle import trace_pupil
 from ..optics.conventions import Floats, Status
 from ..optics.eye import Wear, Wearer
@@ -279,6 +279,31 @@ def passing(sheet: EllipseSheet) -> NDArray[np.bool_]:
     """Which rays (n,) passed and meet the sheet."""
     numbers = np.column_stack([sheet.centre, sheet.spokes.reshape(-1, 6), sheet.semi_major])
     return (sheet.status == Status.OK) & np.isfinite(numbers).all(axis=1)
+
+
+def voxel_image(voxels: VoxelField) -> pv.ImageData:
+    """The frustum as a box of NDC: x to the wearer's left and y up from -1 to 1, z from 0 (near) to 1 (far).
+
+    Point data: blur_mm and ndc (M11, M12, M21, M22), semi_major_mm, semi_minor_mm, depth_mm, status.
+    """
+    shape = np.array([voxels.u.size, voxels.v.size, voxels.depth.size])
+    size = np.array([2.0, 2.0, 1.0])
+    image = pv.ImageData(dimensions=shape, spacing=size / np.maximum(shape - 1, 1), origin=(-1.0, -1.0, 0.0))
+    matrices = _by_point(voxels.blur)
+    shapes = ellipse(matrices.reshape(-1, 2, 2))
+    image.point_data["blur_mm"] = matrices
+    if voxels.ndc is not None:
+        image.point_data["ndc"] = _by_point(voxels.ndc)
+    image.point_data["semi_major_mm"] = shapes.semi_major.astype(np.float32)
+    image.point_data["semi_minor_mm"] = shapes.semi_minor.astype(np.float32)
+    image.point_data["depth_mm"] = np.repeat(voxels.depth, shape[0] * shape[1]).astype(np.float32)
+    image.point_data["status"] = np.tile(voxels.status.ravel(), shape[2])
+    return image
+
+
+def _by_point(matrices: Any) -> Floats:
+    """Matrices (2, 2, ny, nx, nz) as (n, 4), x fastest, z slowest."""
+    return np.moveaxis(matrices.reshape(4, *matrices.shape[2:]), (0, 3), (3, 0)).reshape(-1, 4)
 
 
 # ---- scenes and files ----
