@@ -123,6 +123,7 @@ class StageWidget(QWidget):
         for point, word in self.words:
             box = QRectF(painter.fontMetrics().boundingRect(word))
             box.moveBottomLeft(self._on_widget(point) + QPointF(6, -2))
+            box.translate(min(0.0, self.width() - 2 - box.right()), 0)
             while any(box.intersects(other) for other in taken):
                 box.translate(0, -box.height())
             taken.append(box)
