@@ -12,6 +12,7 @@ import pytest
 from hypothesis import settings
 from scipy.interpolate import make_interp_spline
 
+from lensbench.errors import LensBenchError
 from lensbench.optics import surfaces
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wear, Wearer
@@ -103,3 +104,15 @@ def gazes():
     tangent = np.tan(np.radians(30)) * np.sqrt((k + 0.5) / 41) * np.exp(2.4j * k)
     d = np.stack([tangent.real, tangent.imag, np.ones(41)], axis=-1)
     return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+@pytest.fixture
+def gl():
+    """What draws off screen is skipped where the machine cannot."""
+    pytest.importorskip("pyvista")
+    from lensbench.views.offscreen import require_gl
+
+    try:
+        require_gl()
+    except LensBenchError as reason:
+        pytest.skip(str(reason))

@@ -54,6 +54,20 @@ def test_map_as_csv(tmp_path, capsys):
     assert capsys.readouterr().out.strip() == str(path)
 
 
+@pytest.mark.parametrize("kind", ["vtp", "vtu", "vti"])
+def test_map_for_vtk_programs(tmp_path, kind):
+    pyvista = pytest.importorskip("pyvista")
+    path = tmp_path / f"map.{kind}"
+    assert main(["map", REGULAR, "-q", "astigmatism", "-d", "40cm", "-o", str(path)]) == 0
+    mesh = pyvista.read(path)
+    values = mesh.point_data["astigmatism_D"]
+    assert 1.5 < np.nanmax(values) < 6
+    assert mesh.bounds[:4] == pytest.approx([-30, 30, -30, 30], abs=1e-3)
+    about = json.loads(mesh.field_data["about"][0])
+    assert about["objects"] == "objects at 40 cm"
+    assert about["unit"] == "D"
+
+
 def test_maps_at_the_wearers_distances(capsys):
     seen = []
     for distance in ("inf", "model"):

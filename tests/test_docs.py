@@ -1,7 +1,13 @@
 """What the documentation shows, works."""
 
 import re
+import runpy
+import shutil
 from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
 
 ROOT = Path(__file__).parent.parent
 
@@ -13,6 +19,20 @@ def test_the_python_example_runs(monkeypatch):
     exec(compile(example, "docs/use.md", "exec"), names)
     assert len(names["sphere"]) == 64 * 64
     assert names["blur"].shape == (1, 2, 2)
+
+
+@pytest.mark.usefixtures("gl")
+def test_the_pyvista_examples_make_the_pictures_beside_them(monkeypatch, tmp_path):
+    shutil.copytree(ROOT / "sample_lenses", tmp_path / "sample_lenses")
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(ROOT / "docs" / "make_pyvista_pictures.py"))["run_examples"](tmp_path)
+    shown = re.findall(r"!\[.*?\]\((.*?)\)", (ROOT / "docs" / "pyvista.md").read_text(encoding="utf-8"))
+    assert len(shown) == 3
+    for name in shown:
+        with Image.open(tmp_path / name) as made, Image.open(ROOT / "docs" / name) as kept:
+            assert made.size == kept.size
+            difference = np.abs(np.asarray(made, dtype=float) - np.asarray(kept, dtype=float))
+        assert difference.mean() < 2, name
 
 
 def test_every_key_is_documented():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
-from lensbench.errors import LensBenchError
 from lensbench.layers import EllipseSheet, LensMap
 from lensbench.optics.conventions import Status
 from lensbench.optics.eye import Eye, Wear, Wearer
@@ -18,20 +17,11 @@ from lensbench.optics.surfaces import sphere
 pytest.importorskip("pyvista")
 from lensbench.views import bands as banding
 from lensbench.views import ellipses, lens3d, maps
-from lensbench.views.offscreen import require_gl
 from lensbench.views.stage import snapshot, stage
 
 WEARER = Wearer(Eye(), Wear(pantoscopic_angle=np.radians(8.0), face_form_angle=np.radians(5.0)))
 SIZE = (400, 320)
 ROOM = (SIZE[0] - 100, SIZE[1] - 100)
-
-
-@pytest.fixture
-def gl():
-    try:
-        require_gl()
-    except LensBenchError as reason:
-        pytest.skip(str(reason))
 
 
 def a_lens(side="R"):

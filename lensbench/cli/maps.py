@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from ..optics.lens import Lens
 
 
+MESHES = (".vtp", ".vtu", ".vti")
+
+
 def add_verbs(verbs: Any) -> None:
     """Add this group's verbs."""
     _add_map(verbs)
@@ -42,7 +45,7 @@ def add_verbs(verbs: Any) -> None:
 
 
 def _add_map(verbs: Any) -> None:
-    verb = add_verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV or JSON")
+    verb = add_verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV, JSON or for ParaView")
     lens_and_wearer(verb)
     verb.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
     verb.add_argument("-d", "--distance", type=distance_or_name, default=math.inf, help="40cm, 6m, inf, scene or model")
@@ -115,11 +118,14 @@ def write_map(args: argparse.Namespace) -> None:
     from ..report.tables import map_csv, map_numbers
     from ..workbench import run
 
-    kind = kind_of(args.output, *([".png"] if args.on_lens else [".png", ".svg", ".csv", ".json"]))
+    kind = kind_of(args.output, *([".png"] if args.on_lens else [".png", ".svg", ".csv", ".json", *MESHES]))
     lens, wearer = load_case(args)
     scene = scene_of(args) if args.distance == "scene" else None
     layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))
     result = run(Request(lens, wearer, layer, scene))
+    if kind in MESHES and not args.json:
+        write(args.output, _map_mesh(args, kind, lens, wearer, result))
+        return
     picture = partial(_map_picture, args, lens, wearer, result)
     deliver(args, kind, map_numbers(result), partial(map_csv, result), picture)
 
@@ -136,6 +142,29 @@ def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", resul
     from ..views.maps import map_figure
 
     return map_figure(lens, result, subtitle=subtitle)
+
+
+def _map_mesh(args: argparse.Namespace, kind: str, lens: "Lens", wearer: "Wearer", result: Any) -> bytes:
+    from ..quantities import QUANTITIES
+    from ..report.tables import distance_text
+    from ..views import meshes
+
+    make = {
+        ".vtp": lambda: meshes.map_mesh(lens, result),
+        ".vtu": lambda: meshes.map_solid(lens, result),
+        ".vti": lambda: meshes.map_image(result),
+    }[kind]
+    about = {
+        "lens": lens.name,
+        "side": lens.side,
+        "wearer": wearer.name,
+        "quantity": result.label,
+        "unit": result.unit,
+        "objects": QUANTITIES[result.quantity].about or distance_text(args.distance),
+        "accommodation": args.accommodation,
+        "frame": "lens frame, mm: x to the wearer's left, y up, z to the scene",
+    }
+    return meshes.vtk_file(make(), about)
 
 
 def write_against(args: argparse.Namespace) -> None:

@@ -216,7 +216,7 @@ def _sheet(field: GazeField, found: Foci, k: int, quads: NDArray[np.intp], farth
     sheet = _skin(field.origin + distance[:, None] * field.direction, [quads[there[quads].all(axis=1)]])
     sheet.point_data["distance_mm"] = distance
     sheet.point_data["interval_D"] = 1000 * np.abs(np.subtract(*(1 / found.distance.T)))
-    return sheet
+    return sheet.clean(point_merging=False)
 
 
 def _gaze_lines(field: GazeField, paths: Floats, gaze: NDArray[np.intp]) -> pv.PolyData:
