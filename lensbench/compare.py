@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .errors import InputError
-from .layers import LensMap, MapLayer, PointReading, PointsLayer, Profile, ProfileLayer, Request
+from .layers import Layer, LensMap, MapLayer, PointReading, PointsLayer, Profile, ProfileLayer, Request
 from .optics.eye import Wearer
 from .optics.lens import Lens
 from .optics.ordered import refracted_as_ordered
@@ -45,23 +45,31 @@ def compare(lenses: Sequence[Lens], wearer: Wearer, layers: Sequence[MapLayer] =
 
 
 def _design(lens: Lens, first: Lens, wearer: Wearer, layers: Sequence[MapLayer]) -> Design:
-    fitted = refracted_as_ordered(wearer, lens.ordered)
+    asked, of_first = ([_fitted(each, wearer, layer) for layer in layers] for each in (lens, first))
     return Design(
         lens,
-        tuple(run(Request(lens, fitted, layer)) for layer in layers),
-        tuple(difference(lens, first, wearer, layer) for layer in layers) if lens is not first else (),
-        run(Request(lens, fitted, ProfileLayer())),
-        run(Request(lens, fitted, PointsLayer())),
+        tuple(run(request) for request in asked),
+        tuple(map(difference, asked, of_first)) if lens is not first else (),
+        run(_fitted(lens, wearer, ProfileLayer())),
+        run(_fitted(lens, wearer, PointsLayer())),
         zones(lens, wearer),
     )
 
 
-def difference(lens: Lens, reference: Lens, wearer: Wearer, layer: MapLayer) -> LensMap:
-    """The map of a lens less that of the reference, at the reference's places; NaN where either has no value.
+def _fitted(lens: Lens, wearer: Wearer, layer: Layer) -> Request:
+    return Request(lens, refracted_as_ordered(wearer, lens.ordered), layer)
 
-    Both are traced there, nothing is interpolated. The lens is taken within the reference's outline.
+
+def difference(request: Request, reference: Request) -> LensMap:
+    """The map asked for less that of the reference, at the reference's places; NaN where either has no value.
+
+    Each lens is worn by the wearer of its own request. Both are traced there, nothing is interpolated: the lens is taken
+    within the reference's outline. Raises InputError where either request would.
     """
-    ours, theirs = (run(Request(each, wearer, layer)) for each in (replace(lens, outline=reference.outline), reference))
+    if request.lens is None or reference.lens is None:
+        raise InputError("a difference of maps needs two lenses")
+    ours = run(replace(request, lens=replace(request.lens, outline=reference.lens.outline)))
+    theirs = run(reference)
     return replace(
         ours,
         quantity="difference",

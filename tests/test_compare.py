@@ -82,12 +82,25 @@ def test_a_lens_without_addition_has_a_distance_zone_only(wearer):
 def test_difference_is_taken_on_the_same_places(regular, wearer):
     other = replace(regular, outline=circle_outline(40.0), centre_thickness=regular.centre_thickness + 1.0)
     layer = MapLayer("mean_power", samples=31)
-    found, reference = difference(other, regular, wearer, layer), run(Request(regular, wearer, layer))
+    found = difference(Request(other, wearer, layer), Request(regular, wearer, layer))
+    reference = run(Request(regular, wearer, layer))
     thicker = run(Request(replace(other, outline=regular.outline), wearer, layer))
     assert np.array_equal(found.x, reference.x)
     np.testing.assert_allclose(found.values, thicker.values - reference.values, rtol=0, atol=1e-12)
     assert np.nanmax(np.abs(found.values)) > 0.005
-    assert np.nanmax(np.abs(difference(regular, regular, wearer, layer).values)) == 0
+    same = Request(regular, wearer, layer)
+    assert np.nanmax(np.abs(difference(same, same).values)) == 0
+
+
+def test_differences_are_those_of_the_maps_beside_them(regular, wearer):
+    """Lenses ordered for +1.00 and for 0.00 D: each is worn by the eye for which it was ordered, in its maps and in the
+    differences."""
+    stronger = replace(regular, ordered=replace(regular.ordered, sphere=regular.ordered.sphere + 1.0))
+    layers = [MapLayer(quantity, samples=21) for quantity in ("mean_error", "astigmatic_error", "defocus")]
+    first, second = compare([regular, stronger], wearer, layers)
+    for k, found in enumerate(second.differences):
+        np.testing.assert_array_equal(found.values, second.maps[k].values - first.maps[k].values)
+    assert np.nanmean(second.differences[0].values) == pytest.approx(-1.0, abs=0.01)
 
 
 def test_comparison_needs_two_lenses_of_one_side(regular, wearer):

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from ..compare import difference
-from ..layers import LensMap, MapLayer
+from ..layers import LensMap, MapLayer, Request
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
@@ -55,6 +55,6 @@ def _banded(lens: Lens, others: tuple[Lens, ...], wearer: Wearer, layer: MapLaye
 
 
 def _difference(lens: Lens, reference: Lens, wearer: Wearer, layer: MapLayer, pane: Pane) -> BandedMap:
-    lens_map = difference(lens, reference, wearer, layer)
+    lens_map = difference(Request(lens, wearer, layer), Request(reference, wearer, layer))
     limits = None if pane.low is None or pane.high is None else (pane.low, pane.high)
     return BandedMap(reference, lens_map, map_bands(reference, lens_map, pane.step, limits), limits)

@@ -113,7 +113,8 @@ def test_two_lenses_flip_and_differ(ready, settle, open_files):
     bench = ready.document.workbench
     one, two = (entry.lens for entry in bench.lenses)
     assert (bench.panes[0].lens, bench.panes[0].minus) == (0, 1)
-    meant = difference(one, two, bench.active_wearer, MapLayer("mean_power", bench.distance, samples=MAP_SAMPLES))
+    layer = MapLayer("mean_power", bench.distance, samples=MAP_SAMPLES)
+    meant = difference(*(Request(lens, bench.active_wearer, layer) for lens in (one, two)))
     np.testing.assert_array_equal(ready.viewports[0].content.drawn.banded.lens_map.values, meant.values)
     assert np.nanmean(meant.values) == pytest.approx(-8.0, abs=0.5)
 
