@@ -169,13 +169,13 @@ class Viewport(QFrame):
             self._show_choice(new)
         if self.content is None:
             return
-        question = self.content.question(new, pane)
-        self._stack.setCurrentWidget(self._empty if question is None else self.content)
-        if question is None:
+        if self.content.question(new, pane) is None:
+            self._stack.setCurrentWidget(self._empty)
             self.lane.drop(self.asker)
             self._asked = None
             return
-        key, found = question
+        self._stack.setCurrentWidget(self.content)  # may resize it, and a picture's size belongs to its question
+        key, found = self.content.question(new, pane)
         if key == self._asked:
             return
         self._asked = key

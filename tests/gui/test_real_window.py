@@ -47,3 +47,7 @@ def test_a_window_on_a_screen_is_opened_edited_probed_saved_and_closed(screen, t
 
 def test_two_views_in_two_plotters_on_a_screen_do_not_mix(screen):
     run_on(screen, "two_plotters.py", PROGRESSIVE)
+
+
+def test_every_picture_of_the_view_on_a_screen_is_that_of_a_fresh_one(screen, tmp_path):
+    run_on(screen, "real_view_window.py", PROGRESSIVE, SPHERE, tmp_path)
