@@ -6,7 +6,7 @@ GL_PACKAGES := libegl1 libgl1 libgl1-mesa-dri libopengl0
 WINDOW_PACKAGES := $(GL_PACKAGES) xvfb libdbus-1-3 libfontconfig1 libglib2.0-0 libxcb-cursor0 libxcb-icccm4 libxcb-image0 \
 	libxcb-keysyms1 libxcb-randr0 libxcb-render-util0 libxcb-shape0 libxcb-xfixes0 libxcb-xkb1 libxkbcommon-x11-0
 
-.PHONY: report gallery test bench check graphics window clean
+.PHONY: report gallery test bench check graphics window browser clean
 
 report: $(VENV)/.report graphics
 	$(BIN)/lensbench report sample_lenses/regular_R.toml --wearer sample_lenses/presbyope_60.toml -o reports/regular_R
@@ -16,7 +16,7 @@ gallery: $(VENV)/.report graphics
 	$(BIN)/lensbench gallery $(DESIGNS) -o reports/gallery --small docs/gallery.png
 	$(BIN)/lensbench scenes -o docs/scenes.png
 
-test: check
+test: check browser
 	$(BIN)/python -m pytest -n auto
 
 check: $(VENV)/.dev window
@@ -60,6 +60,13 @@ graphics:
 # The window's tests open it on a virtual screen.
 window:
 	$(call needs,libEGL.so.1 Xvfb libxcb-cursor.so.0 libxcb-icccm.so.4 libxkbcommon-x11.so.0,$(WINDOW_PACKAGES),The window needs Qt)
+
+# The printed report is tested in a headless Chromium; without one those tests are skipped.
+browser:
+	@for name in chromium chromium-browser google-chrome; do ! command -v $$name >/dev/null || exit 0; done; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		apt-get update -qq && apt-get install -y -qq --no-install-recommends chromium && exit 0; \
+	fi; echo "Without Chromium the tests of the printed report are skipped. On Debian: sudo apt-get install chromium"
 
 clean:
 	rm -rf $(VENV) build dist .pytest_cache .mypy_cache .ruff_cache

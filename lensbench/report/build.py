@@ -26,7 +26,7 @@ from ..layers import (
     VerificationLayer,
     ViewLayer,
 )
-from ..optics.conventions import VERSION, Status, power_matrix
+from ..optics.conventions import VERSION, Status
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..optics.tolerances import Verification
@@ -34,9 +34,10 @@ from ..output import require_folder, to_json, write_file
 from ..quantities import QUANTITIES
 from ..scenes.scene import Scene
 from ..workbench import look, run
-from .facts import Fact, gaze_text, lens_facts, misfit, prescription_text, wearer_facts
+from .facts import Fact, gaze_text, lens_facts, misfit, wearer_facts
 from .html import Picture, picture_of, render
 from .progress import Progress
+from .readings import reading_groups
 from .tables import BLURRED, distance_text, distortion_numbers, map_numbers, real_rays_rows
 from .verification import row_of, sentences
 
@@ -259,10 +260,8 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         looks=findings.looks,
         real_rays=real_rays_rows(findings.real_rays),
         blurred=BLURRED,
-        inf=math.inf,
         misfit=misfit(lens, wearer),
-        prescription=prescription_text,
-        power_matrix=power_matrix,
+        readings=reading_groups(lens, findings.readings),
         failed=_failed(findings.maps["mean_power"]),
     )
 
