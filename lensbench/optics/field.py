@@ -250,7 +250,8 @@ class GazeField(ReadOnlyArrays):
     def magnification(self, distance: ArrayLike = np.inf) -> Floats:
         """Angular magnification for the turning eye (..., n, 2, 2): turn of the gaze with the lens over that without.
 
-        From the Listing frame of the line from the centre of rotation to the point at s, to the gaze frame.
+        From the Listing frame of the line from the centre of rotation to the point at s, to the gaze frame. The point turns
+        about the centre of rotation: its distance from there is kept, that from the lens is not.
         """
         s = np.asarray(distance, dtype=float)
         w = np.where(np.isfinite(s), 1.0 / s, 0.0)[..., None]

@@ -10,7 +10,7 @@ from lensbench.optics import surfaces
 from lensbench.optics.conventions import Status, listing_frame, power_matrix, sphere_cylinder_axis
 from lensbench.optics.eye import Eye, Wear, Wearer
 from lensbench.optics.field import ACCOMMODATION_RULES, ellipse
-from lensbench.optics.gaze import GazeGrid, look_at, look_through, trace, worn_pose
+from lensbench.optics.gaze import GazeGrid, direction_from_angles, look_at, look_through, trace, worn_pose
 from lensbench.optics.lens import circle_outline, polygon_outline
 
 DISTANCE = 400.0
@@ -318,3 +318,20 @@ def test_magnification_turns_the_naked_line_into_the_gaze(worn, distance):
         turned = [look_at(lens, wearer, centre + line + sign * h * length * naked[k]).directions for sign in (1, -1)]
         seen = here.gaze_frame[0, :2] @ (turned[0] - turned[1])[0] / (2 * h)
         assert here.magnification(distance)[0, :, k] == pytest.approx(seen, abs=1e-6)
+
+
+@pytest.mark.parametrize("distance", [250.0, 400.0])
+def test_magnification_is_that_of_a_line_turned_at_its_length(lens_of, distance):
+    """Where the line to the object and the outgoing ray part most: -10 D at 25, -25 degrees. The object turns about the centre
+    of rotation, its distance from there kept; moved across the outgoing ray instead it would come to 1e-4 and more of another.
+    """
+    lens, wearer, h = lens_of(surfaces.sphere(265.0), surfaces.sphere(48.0), 1.5), Wearer(), 1e-4
+    here = trace(lens, wearer, [direction_from_angles(np.radians(25.0), np.radians(-25.0))], within_outline=False)
+    centre = wearer.centre_of_rotation
+    line = (here.origin + distance * here.direction - centre)[0]
+    length, naked = np.linalg.norm(line), listing_frame(line / np.linalg.norm(line))
+    for k in range(2):
+        turned = [length * (np.cos(h) * naked[2] + sign * np.sin(h) * naked[k]) for sign in (1, -1)]
+        gaze = look_at(lens, wearer, centre + np.array(turned), within_outline=False).directions
+        seen = here.gaze_frame[0, :2] @ (gaze[0] - gaze[1]) / (2 * h)
+        assert here.magnification(distance)[0, :, k] == pytest.approx(seen, abs=1e-7)
