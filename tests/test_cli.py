@@ -12,6 +12,7 @@ import pyvista
 from PIL import Image
 
 from lensbench.cli import main
+from lensbench.report.build import Terms
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
 REGULAR = str(SAMPLES / "regular_R.toml")
@@ -230,7 +231,7 @@ def test_report_asks_for_what_was_said(monkeypatch, capsys, options, folder, dis
     monkeypatch.setattr("lensbench.report.build.build_report", lambda *given: asked.append(given))
     assert main(["report", REGULAR, "-w", str(SAMPLES / "paper_eye.toml"), *options]) == 0
     lens, wearer, *rest, _, scene = asked[0]
-    assert rest == [folder, distances]
+    assert rest == [folder, Terms(distances)]
     assert scene.name == "room"
     assert (lens.side, wearer.eye.accommodation) == ("R", 0.5)
     assert capsys.readouterr().out.strip() == str(folder / "index.html")

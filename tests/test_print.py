@@ -1,7 +1,6 @@
 """Report and comparison in a browser: on a narrow screen and on paper no column is hidden and no cell is cut."""
 
 import json
-import math
 import re
 import shutil
 import subprocess
@@ -53,7 +52,7 @@ class Pictures(dict):
 def report_page():
     lens = lb.load_lens(SAMPLES / "wide_near_R.toml")
     wearer = assumed_wearer(lens)
-    findings = build.find(lens, wearer, (math.inf, 780.0, 400.0), load_scene("room"))
+    findings = build.find(lens, wearer, build.Terms(), load_scene("room"))
     pictures = Pictures()
     pictures["defocus_inf"] = pictures["spots"] = pictures["any"]
     return build.page(lens, wearer, findings, pictures)

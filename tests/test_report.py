@@ -33,7 +33,7 @@ def folder(tmp_path_factory, wearer):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(build, "PASSES", 3)
         patch.setattr(build, "PINHOLE_PASSES", 2)
-        build.build_report(lens, wearer, folder, (math.inf, 400.0), Progress(io.StringIO()))
+        build.build_report(lens, wearer, folder, build.Terms((math.inf, 400.0)), Progress(io.StringIO()))
     return folder
 
 
@@ -144,7 +144,7 @@ def test_a_failure_on_the_way_leaves_nothing_behind(tmp_path, wearer, monkeypatc
 
     monkeypatch.setattr(build, "view_pictures", fail)
     with pytest.raises(RuntimeError):
-        build.build_report(lens, wearer, tmp_path / "report", (400.0,), Progress(io.StringIO()))
+        build.build_report(lens, wearer, tmp_path / "report", build.Terms((400.0,)), Progress(io.StringIO()))
     assert not (tmp_path / "report").exists()
 
 

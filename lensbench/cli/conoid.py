@@ -10,13 +10,16 @@ from .options import (
     accommodation_option,
     add_verb,
     deliver,
-    distance,
+    distance_or_name,
     factor,
     gaze_angle,
     kind_of,
     lens_and_wearer,
     load_case,
     output_option,
+    scene_of,
+    scene_options,
+    unsaid,
 )
 
 
@@ -34,8 +37,10 @@ def add_verbs(verbs: Any) -> None:
         help="degrees to the wearer's left and up (0 0)",
     )
     verb.add_argument(
-        "-d", "--distance", type=distance, default=400.0, help="of the object from the front surface: 40cm, inf (40cm)"
+        "-d", "--distance", type=distance_or_name, help="of the object from the front surface: inf, scene, model (40cm)"
     )
+    unsaid(verb, distance=400.0)
+    scene_options(verb)
     verb.add_argument("--exaggeration", type=factor, metavar="X", help="across the ray, in space; else what suits")
     accommodation_option(verb)
     output_option(verb, "conoid.png")
@@ -53,7 +58,8 @@ def write_conoid(args: argparse.Namespace) -> None:
     lens, wearer = load_case(args)
     azimuth, elevation = (math.radians(angle) for angle in args.gaze)
     rule = accommodation(args.accommodation)
-    found = run(Request(lens, wearer, ConoidLayer(azimuth, elevation, args.distance, rule)))
+    scene = scene_of(args) if args.distance == "scene" else None
+    found = run(Request(lens, wearer, ConoidLayer(azimuth, elevation, args.distance, rule), scene))
     if found.status != Status.OK:
         reason = Status(found.status).name.lower().replace("_", " ")
         raise InputError(f"--gaze: no ray passes the lens along {args.gaze[0]:g} {args.gaze[1]:g} ({reason})")

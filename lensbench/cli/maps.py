@@ -24,6 +24,7 @@ from .options import (
     output_option,
     scene_of,
     scene_options,
+    unsaid,
     write,
 )
 
@@ -48,7 +49,8 @@ def _add_map(verbs: Any) -> None:
     verb = add_verb(verbs, "map", write_map, "one map over the lens as PNG, SVG, CSV, JSON or for ParaView")
     lens_and_wearer(verb)
     verb.add_argument("-q", "--quantity", default="mean_power", help="mean_power, astigmatism, defocus, prism, ...")
-    verb.add_argument("-d", "--distance", type=distance_or_name, default=math.inf, help="40cm, 6m, inf, scene or model")
+    verb.add_argument("-d", "--distance", type=distance_or_name, help="40cm, 6m, inf, scene or model (inf)")
+    unsaid(verb, distance=math.inf)
     scene_options(verb)
     verb.add_argument("--on-lens", action="store_true", help="on the lens in three dimensions (PNG)")
     accommodation_option(verb)
@@ -71,9 +73,8 @@ def _add_distortion(verbs: Any) -> None:
         verbs, "distortion", write_distortion, "how the eye sees a chart of upright lines, as PNG, SVG, CSV or JSON"
     )
     lens_and_wearer(verb)
-    verb.add_argument(
-        "-d", "--depth", type=distance, default=math.inf, help="of the chart before the lens: 40cm or inf (inf)"
-    )
+    verb.add_argument("-d", "--depth", type=distance, help="of the chart before the lens: 40cm or inf (inf)")
+    unsaid(verb, depth=math.inf)
     verb.add_argument("-n", type=count, default=13, help="lines each way (13)")
     output_option(verb, "distortion.png")
 
@@ -81,7 +82,8 @@ def _add_distortion(verbs: Any) -> None:
 def _add_eoc(verbs: Any) -> None:
     verb = add_verb(verbs, "eoc", write_ellipses, "ellipses of confusion at chosen depths, as PNG, SVG, CSV or JSON")
     lens_and_wearer(verb)
-    verb.add_argument("--depths", type=depth, nargs="+", default=[270.0, 780.0, 3400.0], help="(27cm 78cm 340cm)")
+    verb.add_argument("--depths", type=depth, nargs="+", help="(27cm 78cm 340cm)")
+    unsaid(verb, depths=(270.0, 780.0, 3400.0))
     verb.add_argument("-n", type=count, default=32, help="ellipses along each side (32)")
     verb.add_argument(
         "--fov", type=field_of_view, default=math.radians(28), metavar="DEG", help="full angle each way (56)"

@@ -16,8 +16,13 @@ if TYPE_CHECKING:
     from ..optics.eye import Wearer
     from ..optics.lens import Lens
     from ..scenes.scene import Scene
+    from ..session import Workbench
 
 UNITS_IN_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0}
+OF_LENS_FILES = (
+    "side", "material", "index", "thickness", "front_radius", "back_radius", "diameter", "power",
+    "face", "orientation", "z_towards", "flip_z",
+)  # fmt: skip
 
 # ---- options ----
 
@@ -36,6 +41,7 @@ def lens_and_wearer(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "-w", "--wearer", type=Path, help="wearer file (.toml); assumed from the lens's order if not given"
     )
+    unsaid(verb)
 
 
 def lens_choice(verb: argparse.ArgumentParser) -> None:
@@ -69,15 +75,22 @@ def orientation_options(verb: Any) -> None:
     verb.add_argument("--flip-z", action="store_true", help="turn the sign of z")
 
 
+def unsaid(verb: argparse.ArgumentParser, **values: Any) -> None:
+    """What options that are not given mean where no session says it: their values, by name."""
+    verb.set_defaults(unsaid={**(verb.get_default("unsaid") or {}), **values})
+
+
 def accommodation_option(verb: argparse.ArgumentParser) -> None:
     """--accommodation."""
-    verb.add_argument("--accommodation", default="retina", help="rule: retina, object or paper; or dioptres")
+    verb.add_argument("--accommodation", help="rule: retina, object or paper; or dioptres (retina)")
+    unsaid(verb, accommodation="retina")
 
 
 def scene_options(verb: argparse.ArgumentParser, default: str | None = "room") -> None:
     """--scene and where the wearer stands in a mesh."""
     what = "a built-in scene, a scene file (.toml), or a mesh (.glb, .gltf, .obj, .ply, .stl)"
-    verb.add_argument("--scene", default=default, metavar="NAME|FILE", help=what + (f" ({default})" if default else ""))
+    verb.add_argument("--scene", metavar="NAME|FILE", help=what + (f" ({default})" if default else ""))
+    unsaid(verb, scene=default)
     verb.add_argument("--scene-unit", choices=["mm", "cm", "m", "in", "ft"], help="of a mesh (glTF: m)")
     for name, what in (("eye", "place of the eye"), ("ahead", "direction of the face"), ("up", "direction (0 1 0)")):
         verb.add_argument(f"--scene-{name}", type=float, nargs=3, metavar=("X", "Y", "Z"), help=f"{what}, in the mesh")
@@ -189,30 +202,69 @@ def scene_of(args: argparse.Namespace) -> "Scene":
 
     place = {name: getattr(args, f"scene_{name}") for name in ("eye", "ahead", "up")}
     given = {name: None if value is None else (*value,) for name, value in place.items()}
-    return find_scene(args.scene, args.scene_unit, **given)
+    return find_scene(args.scene or args.unsaid["scene"], args.scene_unit, **given)
 
 
 def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
-    """The lens and its wearer; of a session the active ones."""
-    cases = load_cases(args, args.lens, active=True)
-    return cases[0]
+    """The lens and its wearer; of a session the active ones, and what the session says is taken for the options not given."""
+    bench = _session(args, args.lens) if is_session(args.lens) else None
+    for name, value in args.unsaid.items():
+        if getattr(args, name) is None:
+            setattr(args, name, value if bench is None else _said_by(bench).get(name, value))
+    if bench is None:
+        return load_cases(args, args.lens)[0]
+    return _case(args, bench, bench.lenses[bench.lens].lens)
 
 
-def load_cases(args: argparse.Namespace, path: Path, active: bool = False) -> list[tuple["Lens", "Wearer"]]:
-    """The lens in a file, or all lenses of a session (the active one alone), each with its wearer: of --wearer, else of the
-    file, else assumed. What was assumed of a file that holds surfaces only is said on standard error.
+def is_session(path: Path) -> bool:
+    """Whether a file is a session, by its name."""
+    return path.name.endswith(".lensbench.json")
+
+
+def _session(args: argparse.Namespace, path: Path) -> "Workbench":
+    """What a session holds. Raises InputError without a lens, and for options that complete lens files."""
+    from ..session import load_session
+
+    given = [name for name in OF_LENS_FILES if getattr(args, name) not in (None, "", False)]
+    if given:
+        names = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+        raise InputError(
+            f"{path}: {names} of a session's lens is what the session says; edit it there, or name the lens file"
+        )
+    bench, _ = load_session(path)
+    if not bench.lenses:
+        raise InputError(f"{path}: the session holds no lens")
+    return bench
+
+
+def _said_by(bench: "Workbench") -> dict[str, Any]:
+    """What a session says in place of options, by their names."""
+    return {
+        "distance": bench.distance,
+        "depth": math.inf if isinstance(bench.distance, str) else bench.distance,
+        "depths": bench.depths,
+        "accommodation": bench.accommodation,
+        "scene": bench.scene,
+        "head": (bench.head_turn, bench.head_tilt),
+    }
+
+
+def _case(args: argparse.Namespace, bench: "Workbench", lens: "Lens") -> tuple["Lens", "Wearer"]:
+    from ..formats import load_wearer
+
+    return lens, load_wearer(args.wearer, lens.side) if args.wearer else bench.active_wearer
+
+
+def load_cases(args: argparse.Namespace, path: Path) -> list[tuple["Lens", "Wearer"]]:
+    """The lens in a file, or all lenses of a session, each with its wearer: of --wearer, else of the file, else assumed. What
+    was assumed of a file that holds surfaces only is said on standard error.
     """
     from ..formats import load_pair, load_wearer
     from ..workbench import assumed_wearer
 
-    if path.name.endswith(".lensbench.json"):
-        from ..session import load_session
-
-        bench, _ = load_session(path)
-        if not bench.lenses:
-            raise InputError(f"{path}: the session holds no lens")
-        found = [bench.lenses[bench.lens]] if active else bench.lenses
-        return [(entry.lens, load_wearer(args.wearer) if args.wearer else bench.active_wearer) for entry in found]
+    if is_session(path):
+        bench = _session(args, path)
+        return [_case(args, bench, entry.lens) for entry in bench.lenses]
     pair = load_pair(path, args.side, args.material, completion(args))
     lens, told = pair[0]
     if lens.note:

@@ -1,11 +1,14 @@
 """lensbench report, compare: everything about a lens, or about several side by side, in one page."""
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import Any
 
 from .options import (
+    accommodation,
+    accommodation_option,
     add_verb,
     distance,
     lens_and_wearer,
@@ -15,6 +18,7 @@ from .options import (
     progress_option,
     scene_of,
     scene_options,
+    unsaid,
     write,
 )
 
@@ -31,6 +35,9 @@ def _add_report(verbs: Any) -> None:
     verb.add_argument(
         "--object-distance", type=distance, nargs="+", metavar="D", help="for the defocus maps (inf 78cm 40cm)"
     )
+    verb.set_defaults(distance=None, depths=None)
+    unsaid(verb, distance=math.inf, depths=(270.0, 780.0, 3400.0))
+    accommodation_option(verb)
     scene_options(verb)
     progress_option(verb)
     verb.add_argument("-o", "--output", type=Path, default=None, metavar="DIR", help="folder (reports/<lens file>)")
@@ -58,7 +65,7 @@ def _add_compare(verbs: Any) -> None:
 
 def write_report(args: argparse.Namespace) -> None:
     """lensbench report LENS."""
-    from ..report.build import DEFAULT_DISTANCES, build_report
+    from ..report.build import DEFAULT_DISTANCES, Terms, build_report
     from ..report.progress import Progress
 
     folder = args.output or Path("reports") / args.lens.stem
@@ -66,7 +73,10 @@ def write_report(args: argparse.Namespace) -> None:
     progress.step("load")
     lens, wearer = load_case(args)
     scene = scene_of(args)
-    build_report(lens, wearer, folder, tuple(args.object_distance or DEFAULT_DISTANCES), progress, scene)
+    own = () if isinstance(args.distance, str) else (args.distance,)
+    distances = args.object_distance or dict.fromkeys((*DEFAULT_DISTANCES, *own))
+    terms = Terms(tuple(distances), tuple(args.depths), accommodation(args.accommodation))
+    build_report(lens, wearer, folder, terms, progress, scene)
     progress.done()
     print(folder / "index.html")
 

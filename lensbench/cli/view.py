@@ -18,6 +18,7 @@ from .options import (
     load_case,
     scene_of,
     scene_options,
+    unsaid,
     write,
     write_picture,
 )
@@ -33,9 +34,10 @@ def add_verbs(verbs: Any) -> None:
     verb = add_verb(verbs, "view", write_view, "what the wearer sees of a scene, as PNG or OpenEXR")
     _view_options(verb)
     verb.add_argument(
-        "--head", type=gaze_angle, nargs=2, default=(0.0, 0.0), metavar=("TURN", "TILT"),
-        help="turn of the head (and lens) about the eye, degrees left and up; the eye keeps its target",
+        "--head", type=gaze_angle, nargs=2, metavar=("TURN", "TILT"),
+        help="turn of the head (and lens) about the eye, degrees left and up; the eye keeps its target (0 0)",
     )  # fmt: skip
+    unsaid(verb, head=(0.0, 0.0))
     verb.add_argument("-o", "--output", type=Path, default=Path("view.png"), metavar="FILE", help="(view.png)")
     verb = add_verb(verbs, "sweep", write_sweep, "the head turns while the eye keeps its target: animation and sheet")
     _view_options(verb)
@@ -79,7 +81,7 @@ def write_view(args: argparse.Namespace) -> None:
         raise InputError(
             "view: --defocus and --exposure are for PNG; an OpenEXR file holds light and optics as they are"
         )
-    request = _request(args, *args.head)
+    request = _request(args)
     with Studio() as studio:
         if kind == ".exr":
             _write_exr(args, studio, request)
@@ -114,7 +116,7 @@ def write_sweep(args: argparse.Namespace) -> None:
     for path in (args.output, sheet):
         require_folder(path.parent)
     heads = np.linspace(args.start, args.end, args.frames)
-    first = _request(args, *heads[0])
+    first = _request(args, tuple(heads[0]))
     turned = [replace(first.layer, head_turn=math.radians(t), head_tilt=math.radians(v)) for t, v in heads]
     with Studio() as studio:
         pictures = _pictures(args, studio, [replace(first, layer=layer) for layer in turned])
@@ -130,8 +132,8 @@ def _head_text(turn: float, tilt: float) -> str:
     return f"head {', '.join(parts) or 'straight'}"
 
 
-def _request(args: argparse.Namespace, turn: float, tilt: float) -> "Request":
-    """The question that the options ask, with a turn and tilt of the head in degrees."""
+def _request(args: argparse.Namespace, head: tuple[float, float] | None = None) -> "Request":
+    """The question that the options ask; head: its turn and tilt in degrees, else as the options say."""
     from ..layers import Request, ViewLayer
     from ..workbench import look
 
@@ -145,6 +147,7 @@ def _request(args: argparse.Namespace, turn: float, tilt: float) -> "Request":
         raise InputError(f"view: --split and --defocus show what the lens does: not with --eye {args.eye}")
     lens, wearer = load_case(args)
     scene = scene_of(args)
+    turn, tilt = head or args.head
     gaze = tuple(map(math.radians, args.gaze)) if args.gaze else look(args.look, lens, wearer, scene)
     layer = ViewLayer(
         args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), accommodation(args.accommodation),

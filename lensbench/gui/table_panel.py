@@ -9,6 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QComboBox, QFormLayout, QScrollArea, QToolBox, QVBoxLayout, QWidget
 
 from ..optics.materials import MATERIALS
+from ..report.facts import RULES
 from ..session import Workbench
 from .document import Document
 from .fields import GROUPS, with_material
@@ -19,11 +20,6 @@ DISTANCES = {
     "objects at the proximity below": float(np.inf),
     "objects of the scene": "scene",
     "the wearer's distances": "model",
-}
-RULES = {
-    "least blur on the retina": "retina",
-    "least ellipse at the object": "object",
-    "signed axes that cancel": "paper",
 }
 
 
@@ -44,7 +40,12 @@ class TablePanel(QWidget):
         for text, box, names, choose in (
             ("Material", self.material, {name: name for name in MATERIALS}, with_material),
             ("Maps show", self.distance, DISTANCES, lambda bench, value: replace(bench, distance=value)),
-            ("Eye accommodates for", self.rule, RULES, lambda bench, value: replace(bench, accommodation=value)),
+            (
+                "Eye accommodates for",
+                self.rule,
+                {text: rule for rule, text in RULES.items()},
+                lambda bench, value: replace(bench, accommodation=value),
+            ),
         ):
             for name, value in names.items():
                 box.addItem(name, value)

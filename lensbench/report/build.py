@@ -1,7 +1,6 @@
 """From a lens and a wearer to a folder with index.html (self-contained), the pictures and results.json."""
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -28,13 +27,14 @@ from ..layers import (
 )
 from ..optics.conventions import VERSION, Status
 from ..optics.eye import Wearer
+from ..optics.field import Accommodation
 from ..optics.lens import Lens
 from ..optics.tolerances import Verification
 from ..output import require_folder, to_json, write_file
 from ..quantities import QUANTITIES
 from ..scenes.scene import Scene
 from ..workbench import look, run
-from .facts import Fact, gaze_text, lens_facts, misfit, wearer_facts
+from .facts import Fact, gaze_text, lens_facts, misfit, rule_text, wearer_facts
 from .html import Picture, picture_of, render
 from .progress import Progress
 from .readings import reading_groups
@@ -65,9 +65,21 @@ UNITS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Findings:
-    """All numbers of a report."""
+class Terms:
+    """What a report is asked for. distances: of the objects of the defocus maps, depths: of the ellipses of confusion, mm;
+    accommodation: the rule, or D.
+    """
 
+    distances: tuple[float, ...] = DEFAULT_DISTANCES
+    depths: tuple[float, ...] = EllipseLayer().depths
+    accommodation: Accommodation = "retina"
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """All numbers of a report, and what they were asked for."""
+
+    terms: Terms
     lens: list[Fact]
     wearer: list[Fact]
     readings: tuple[PointReading, ...]
@@ -85,11 +97,11 @@ def build_report(
     lens: Lens,
     wearer: Wearer,
     folder: Path,
-    distances: Sequence[float],
+    terms: Terms,
     progress: Progress,
     scene: Scene | None = None,
 ) -> None:
-    """Write the report of a lens as this wearer wears it. distances: of the objects of the defocus maps, mm.
+    """Write the report of a lens as this wearer wears it.
 
     scene: what the wearer looks at; None: the built-in room.
     """
@@ -99,12 +111,12 @@ def build_report(
     progress.step("scene")
     scene = scene or load_scene("room")
     progress.step("trace")
-    findings = find(lens, wearer, distances, scene)
+    findings = find(lens, wearer, terms, scene)
     progress.step("maps")
     pictures = flat_pictures(lens, findings)
     progress.step("lens and ellipses in space")
     pictures |= spatial_pictures(lens, wearer, findings)
-    pictures |= view_pictures(lens, wearer, scene, findings.looks, progress)
+    pictures |= view_pictures(lens, wearer, scene, findings, progress)
     progress.step("page")
     contents: dict[str, bytes | str] = {picture.name: picture.png for picture in pictures.values()}
     contents["results.json"] = to_json(results(lens, wearer, findings))
@@ -113,24 +125,26 @@ def build_report(
         write_file(folder / name, content)
 
 
-def find(lens: Lens, wearer: Wearer, distances: Sequence[float], scene: Any) -> Findings:
+def find(lens: Lens, wearer: Wearer, terms: Terms, scene: Any) -> Findings:
     """Run every request of the report."""
 
     def ask(layer: Any) -> Any:
         return run(Request(lens, wearer, layer, scene))
 
     names = [*MAPS, *(name for modes in MODES for name in modes)]
+    distances, rule = (*terms.distances, "model", "scene"), terms.accommodation
     return Findings(
+        terms,
         lens_facts(lens),
         wearer_facts(wearer),
         ask(PointsLayer()),
         ask(VerificationLayer()),
         ask(ProfileLayer()),
         {name: ask(MapLayer(name)) for name in names},
-        {d: ask(MapLayer("defocus", d)) for d in [*distances, "model", "scene"]},
-        ask(EllipseLayer()),
+        {d: ask(MapLayer("defocus", d, rule)) for d in distances},
+        ask(EllipseLayer(terms.depths, accommodation=rule)),
         {name: look(name, lens, wearer, scene) for name in scene.looks},
-        ask(RealRaysLayer((*distances, "model", "scene"))),
+        ask(RealRaysLayer(distances, accommodation=rule)),
         ask(DistortionLayer()),
     )
 
@@ -196,17 +210,15 @@ def spatial_pictures(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str
     return pictures
 
 
-def view_pictures(
-    lens: Lens, wearer: Wearer, scene: Any, looks: Mapping[str, tuple[float, float]], progress: Progress
-) -> dict[str, Picture]:
+def view_pictures(lens: Lens, wearer: Wearer, scene: Any, findings: Findings, progress: Progress) -> dict[str, Picture]:
     """The scene by each of its looks: with the lens, without it, and sharp through a pinhole."""
     from ..views.jitter import Studio, side_by_side
 
-    pictures = {}
+    pictures, rule = {}, findings.terms.accommodation
     with Studio() as studio:
-        for name, gaze in looks.items():
+        for name, gaze in findings.looks.items():
             progress.step(f"view {name}")
-            seen = {eye: run(Request(lens, wearer, ViewLayer(eye, *gaze), scene)) for eye in EYES}
+            seen = {eye: run(Request(lens, wearer, ViewLayer(eye, *gaze, accommodation=rule), scene)) for eye in EYES}
             drawn = {
                 eye: studio.picture(view, PINHOLE_PASSES if view.layer.sharp else PASSES) for eye, view in seen.items()
             }
@@ -226,7 +238,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
         "conventions": VERSION,
         "units": UNITS,
         "status": {s.name: s.value for s in Status},
-        "accommodation_rule": "retina",
+        "accommodation_rule": findings.terms.accommodation,
         "lens": {f.label: {"text": f.text, "value": f.value} for f in findings.lens},
         "wearer": {f.label: {"text": f.text, "value": f.value} for f in findings.wearer},
         "reference_points": [asdict(r) for r in findings.readings],
@@ -257,6 +269,7 @@ def page(lens: Lens, wearer: Wearer, findings: Findings, pictures: dict[str, Pic
         pictures=pictures,
         row_of=row_of,
         sentences=sentences,
+        rule_text=rule_text,
         looks=findings.looks,
         real_rays=real_rays_rows(findings.real_rays),
         blurred=BLURRED,

@@ -55,6 +55,18 @@ def viewer_text(wearer: Wearer, rule: Accommodation) -> str:
     return f"eye {power} D, amplitude {amplitude} D, pupil {eye.pupil_diameter:.3g} mm, {focus}"
 
 
+RULES = {
+    "retina": "least blur on the retina",
+    "object": "least ellipse at the object",
+    "paper": "signed axes that cancel",
+}
+
+
+def rule_text(rule: Accommodation) -> str:
+    """For what, or by how much, an eye accommodates."""
+    return f"for the {RULES[rule]}" if isinstance(rule, str) else f"by {np.mean(rule):.2f} D"
+
+
 def gaze_text(azimuth: float, elevation: float) -> str:
     """A direction of gaze (rad) in words."""
     left, up = np.degrees([azimuth, elevation]).round()
