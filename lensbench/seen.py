@@ -7,7 +7,7 @@ import numpy as np
 
 from .errors import InputError
 from .layers import EYES, DefocusView, SeenPart, SeenScene, ViewLayer
-from .optics.atlas import FieldAtlas, field_atlas
+from .optics.atlas import BEYOND, FieldAtlas, field_atlas
 from .optics.conventions import Floats, Status, listing_frame, rotation_xy
 from .optics.eye import Eye, Wear, Wearer
 from .optics.field import GazeField
@@ -54,10 +54,10 @@ def _lens_atlas(lens: Lens, *geometry: Wear | float) -> tuple[FieldAtlas, LensEd
     """The atlas of a worn lens over the box of its edge, a little widened, and the edge."""
     wearer = _wearer_of(*geometry)  # type: ignore[arg-type]
     edge = lens_edge(lens, wearer)
-    directions = edge.directions(1.05)
+    directions = edge.directions(BEYOND)
     tangents = directions[:, :2] / np.maximum(directions[:, 2:], 0.1)
     (u0, v0), (u1, v1) = np.clip([tangents.min(axis=0), tangents.max(axis=0)], -WIDEST, WIDEST)
-    return field_atlas(lens, wearer, (u0, u1, v0, v1), SAMPLES), edge
+    return field_atlas(lens, wearer, (u0, u1, v0, v1), SAMPLES, edge), edge
 
 
 # ---- vertices one by one ----------------------------------------------------------------------------------------------

@@ -1,14 +1,19 @@
 """The pass in a renderer that is not its own: progressive, begun anew by every change, without leaks."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from test_jitter import CENTRED, EMMETROPE, MINUS_SIX, moments, on_picture, patches, resident_mb, see
 
+from lensbench.layers import Request, ViewLayer
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wearer
 from lensbench.optics.gaze import look_at
+from lensbench.scenes.builtin import load_scene
+from lensbench.session import Workbench
+from lensbench.workbench import run
 
 pytest.importorskip("pyvista")
 
@@ -18,6 +23,7 @@ from lensbench.views import jitter
 from lensbench.views.jitter import accumulate
 from lensbench.views.offscreen import require_gl
 
+SAMPLES = Path(__file__).parents[1] / "sample_lenses"
 SMALL = (160, 120)
 MYOPE = Wearer(Eye(refraction=power_matrix(-2.0, -1.0, 30.0), accommodation=0.0), CENTRED)
 PLACES = [(-600.0, 300.0, 6000.0), (400.0, -200.0, 3000.0), (0.0, 60.0, 700.0)]
@@ -80,6 +86,44 @@ def test_every_change_begins_anew(plotter):
         view.show(changed)
         assert np.array_equal(finish(view), jitter.render_view(changed, 6))
     view.close()
+
+
+@pytest.mark.parametrize("fallback", [{}, {"by_vertices": True}, {"in_memory": True}])
+def test_passes_in_two_windows_do_not_meddle(plotter, fallback):
+    """Whichever window was drawn last, whose OpenGL context is then the current one."""
+    other = pv.Plotter(off_screen=True, window_size=SMALL)
+    near = replace(MYOPE, wear=replace(CENTRED, vertex_distance=20.0))
+    scenes = [see(patches(PLACES, 150), MINUS_SIX, wearer, size=SMALL) for wearer in (MYOPE, near)]
+    fresh = [jitter.render_view(seen, 4, **fallback) for seen in scenes]
+    lights = [jitter.decode(picture) for picture in fresh]
+    assert np.abs(fresh[0].astype(int) - fresh[1]).max() > 100
+    views = [jitter.JitterPass(p.render_window, p.renderer, 4, **fallback) for p in (plotter, other)]
+    for order in ((0, 1), (1, 0)):
+        for view, k in zip(views, order, strict=True):
+            view.show(scenes[k])
+        for view, k in zip(views, order, strict=True):
+            assert np.array_equal(finish(view), fresh[k])
+        for view, k in zip(views, order, strict=True):
+            assert np.allclose(view.light(), lights[k], atol=0.005)
+    views[1].close()
+    other.close()
+    views[0].show(scenes[0])
+    assert np.array_equal(finish(views[0]), fresh[0])
+    views[0].close()
+
+
+@pytest.mark.parametrize(("lens", "vertex_distance", "half_width"), [
+    ("sphere_minus_4_R", 8.0, 30.0), ("sphere_minus_4_R", 13.0, 55.0), ("toric_R", 13.0, 30.0), ("regular_R", 8.0, 55.0),
+])  # fmt: skip
+def test_no_vertex_of_a_room_is_drawn_astray(lens, vertex_distance, half_width):
+    """Beside chief rays found vertex by vertex: past the edge of a strong lens Newton's method must not run away."""
+    bench = Workbench().with_lens(SAMPLES / f"{lens}.toml")
+    wearer = replace(bench.active_wearer, wear=replace(bench.active_wearer.wear, vertex_distance=vertex_distance))
+    layer = ViewLayer("pinhole", elevation=-0.2, half_width=np.radians(half_width), size=(320, 240))
+    seen = run(Request(bench.active_lens, wearer, layer, load_scene("room")))
+    usual, other = (jitter.render_view(seen, 2, by_vertices=exact).astype(int) for exact in (False, True))
+    apart = np.abs(usual - other).max(axis=2)
+    assert np.mean(apart > 16) < 1e-3
 
 
 def test_nothing_is_added_while_paused(plotter):

@@ -34,6 +34,11 @@ class Content(QWidget):
     def show_probe(self, probe: Probe | None) -> None:
         """Mark a gaze."""
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether the picture of the last answer is as it stays."""
+        return True
+
     def picture(self) -> QImage:
         """The pane as it is seen."""
         return self.grab().toImage()

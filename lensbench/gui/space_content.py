@@ -63,6 +63,10 @@ class SpaceContent(Content):
             self.look_first(self.stage.stage)
             self.stage.refresh()
 
+    @property
+    def at_rest(self) -> bool:
+        return self.stage.at_rest
+
     def look_first(self, plotter: Any) -> None:
         """Place the camera where it stands at first."""
         raise NotImplementedError

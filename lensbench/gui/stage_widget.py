@@ -59,6 +59,11 @@ class StageWidget(QWidget):
         self.render_stage(1)
         self._rest.start()
 
+    @property
+    def at_rest(self) -> bool:
+        """Whether it is drawn finely."""
+        return not self._rest.isActive()
+
     def _refine(self) -> None:
         if self.haste():
             self._rest.start()
@@ -74,7 +79,8 @@ class StageWidget(QWidget):
         self.stage.suppress_rendering = False
         self.stage.window_size = size
         pixels = np.ascontiguousarray(self.stage.screenshot(return_img=True)[..., :3])
-        self._image = QImage(pixels.data, size[0], size[1], 3 * size[0], QImage.Format.Format_RGB888).copy()
+        height, width, _ = pixels.shape  # what a window manager or a driver gave
+        self._image = QImage(pixels.data, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
         self.update()
 
     def look_like(self, other: "StageWidget") -> None:

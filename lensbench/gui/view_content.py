@@ -12,6 +12,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
 from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
+from ..errors import LensBenchError
 from ..layers import Probe, SeenScene, ViewLayer
 from ..session import Pane, Workbench
 from ..views.jitter import JitterPass
@@ -20,11 +21,12 @@ from .content import MARK, Content, say_nothing
 from .scene_source import answer_with_scene
 
 PASSES, TURN = 48, 0.15  # degrees a pixel of dragging
-MOST_PIXELS = 420_000
+MOVING_PIXELS = 420_000  # more are too many to follow a hand
+REST = 160  # ms until a picture counts as at rest
 
 
 class ViewContent(Content):
-    """What the wearer sees; the pointer tells what it meets."""
+    """What the wearer sees; the pointer tells what it meets. Coarse while it moves, in all pixels when it rests."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -35,11 +37,14 @@ class ViewContent(Content):
         self._window: Any = None
         self._pixels = vtkUnsignedCharArray()
         self._image = QImage()
+        self._passes = 0  # in the image that is shown
         self._drawn = 0.0
         self._last: QPointF | None = None
         self._probe: Probe | None = None
         self._next = QTimer(self, interval=0)
         self._next.timeout.connect(self._one_pass)
+        self._rest = QTimer(self, singleShot=True, interval=REST)
+        self._rest.timeout.connect(self._refine)
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
         lens, wearer = bench.lens_of(pane), bench.active_wearer
@@ -48,7 +53,6 @@ class ViewContent(Content):
         layer = ViewLayer(
             pane.eye,
             *np.radians([pane.azimuth, pane.elevation, pane.width / 2]).tolist(),
-            size=self._size(),
             accommodation=bench.accommodation,
             head_turn=float(np.radians(bench.head_turn)),
             head_tilt=float(np.radians(bench.head_tilt)),
@@ -57,16 +61,48 @@ class ViewContent(Content):
         return (lens, wearer, layer, bench.scene), partial(answer_with_scene, lens, wearer, layer, bench.scene)
 
     def show_answer(self, answer: SeenScene, bench: Workbench, pane: Pane) -> None:
-        self.seen = answer
         if self._view is None:
-            require_gl()
-            self._window, renderer = vtkRenderWindow(), vtkRenderer()
-            self._window.SetOffScreenRendering(True)
-            self._window.AddRenderer(renderer)
-            self._window.SetSize(*answer.layer.size)
-            self._view = JitterPass(self._window, renderer, PASSES)
-        self._window.SetSize(*answer.layer.size)
+            self._open_stage()
+        self.seen = answer
         self._view.show(answer)
+        self._move()
+
+    def _open_stage(self) -> None:
+        """Raises LensBenchError where this machine cannot draw."""
+        require_gl()
+        window, renderer = vtkRenderWindow(), vtkRenderer()
+        window.SetOffScreenRendering(True)
+        window.AddRenderer(renderer)
+        try:
+            self._view = JitterPass(window, renderer, PASSES)
+        except LensBenchError:
+            window.Finalize()
+            raise
+        self._window = window
+
+    def _move(self) -> None:
+        """Begin anew, in few pixels until the picture rests."""
+        self._passes = 0
+        self._draw_in(MOVING_PIXELS)
+        self._rest.start()
+
+    def _refine(self) -> None:
+        if self.haste():
+            self._rest.start()
+        else:
+            self._draw_in(np.inf)
+
+    def _draw_in(self, most: float) -> None:
+        """Draw in the pixels of the widget, or in at most so many."""
+        if self._view is None or self.seen is None:
+            return
+        width, height = (max(32, round(n * self.devicePixelRatioF())) for n in (self.width(), self.height()))
+        scale = min(1.0, (most / (width * height)) ** 0.5)
+        size = int(width * scale), int(height * scale)
+        if size != self._window.GetSize():
+            self._window.SetSize(*size)
+            self._view.reset()
+        self.seen = replace(self.seen, layer=replace(self.seen.layer, size=size))
         self._next.start()
 
     def show_probe(self, probe: Probe | None) -> None:
@@ -75,25 +111,28 @@ class ViewContent(Content):
 
     def close_stage(self) -> None:
         self._next.stop()
+        self._rest.stop()
         if self._view is not None:
             self._view.close()
             self._window.Finalize()
             self._view = self._window = None
 
     def light(self) -> Any:
-        """The mean light (h, w, 3) of the passes so far; None before the first."""
-        return self._view.light() if self._view is not None else None
+        """The mean light (h, w, 3) of the passes so far; None before there is a view."""
+        if self._view is None:
+            return None
+        if not self._view.count:
+            self._window.Render()
+        return self._view.light()
 
     @property
     def passes(self) -> int:
         """Passes in the picture so far."""
-        return self._view.count if self._view is not None else 0
+        return self._passes
 
-    def _size(self) -> tuple[int, int]:
-        """Pixels to draw: those of the widget, fewer where they would be too many to follow a hand."""
-        width, height = (max(32, round(n * self.devicePixelRatioF())) for n in (self.width(), self.height()))
-        scale = min(1.0, (MOST_PIXELS / (width * height)) ** 0.5)
-        return round(width * scale), round(height * scale)
+    @property
+    def at_rest(self) -> bool:
+        return self._view is not None and self._view.done and not self._rest.isActive()
 
     def _one_pass(self) -> None:
         if self._view is None or self._view.done:
@@ -104,11 +143,16 @@ class ViewContent(Content):
             return
         self._next.setInterval(0)
         self._window.Render()
+        if self._view.count >= self._passes:  # the first of finer pixels are worse than what is shown
+            self._show_drawn()
+        self._drawn = time.monotonic()
+
+    def _show_drawn(self) -> None:
         width, height = self._window.GetSize()
         self._window.GetRGBACharPixelData(0, 0, width - 1, height - 1, 0, self._pixels)
         pixels = np.ascontiguousarray(vtk_to_numpy(self._pixels).reshape(height, width, 4)[::-1])
         self._image = QImage(pixels.data, width, height, 4 * width, QImage.Format.Format_RGBX8888).copy()
-        self._drawn = time.monotonic()
+        self._passes = self._view.count
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -146,14 +190,16 @@ class ViewContent(Content):
         super().showEvent(event)
         if self._view is not None:
             self._next.start()
+            self._rest.start()
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
         self._next.stop()
+        self._rest.stop()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        self.wants_edit.emit("", lambda bench: bench, "resize")
+        self._move()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
         self._last = event.position()

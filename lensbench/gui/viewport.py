@@ -169,13 +169,13 @@ class Viewport(QFrame):
             self._show_choice(new)
         if self.content is None:
             return
-        if self.content.question(new, pane) is None:
-            self._stack.setCurrentWidget(self._empty)
+        question = self.content.question(new, pane)
+        self._stack.setCurrentWidget(self._empty if question is None else self.content)
+        if question is None:
             self.lane.drop(self.asker)
             self._asked = None
             return
-        self._stack.setCurrentWidget(self.content)  # may resize it, and a picture's size belongs to its question
-        key, found = self.content.question(new, pane)
+        key, found = question
         if key == self._asked:
             return
         self._asked = key
@@ -216,7 +216,7 @@ class Viewport(QFrame):
             content.camera_moved.connect(lambda: self.turned.emit(self.k))
 
     def _edit(self, name: str, make: Any, row: str) -> None:
-        """An edit from the content: a turn of head or eye; without a name it only asks anew (resize) or ends a drag."""
+        """An edit from the content: a turn of head or eye; without a name it only asks anew (a probe) or ends a drag."""
         if name:
             own = {"k": self.k} if row == "eye" else {}
             self.document.edit(name, lambda bench: make(bench, **own), row)

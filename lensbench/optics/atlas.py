@@ -17,6 +17,9 @@ from .eye import Wearer
 from .field import GazeField
 from .gaze import trace
 from .lens import Lens
+from .lens_edge import LensEdge
+
+BEYOND = 1.05  # on the tangents of the edge
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,7 +28,7 @@ class FieldAtlas(ReadOnlyArrays):
 
     plane: z of the plane from which depth counts. table (5, ny, nx, 4), float32: origin and slope (ox, oy, tx, ty) of the
     chief ray at that plane; then the 2x2 matrices A, C, B, D row by row, between the Listing frames of gaze and outgoing
-    ray. Where no ray passes, the nearest ray's deviation and matrices stand.
+    ray. Where no ray passes, and past the edge that was given, the nearest ray's deviation and matrices stand.
     """
 
     u: Floats
@@ -34,8 +37,14 @@ class FieldAtlas(ReadOnlyArrays):
     table: NDArray[np.float32]
 
 
-def field_atlas(lens: Lens | None, wearer: Wearer, box: tuple[float, float, float, float], samples: int) -> FieldAtlas:
-    """The atlas of a worn lens (None: the naked eye), of its surfaces beyond the outline too.
+def field_atlas(
+    lens: Lens | None,
+    wearer: Wearer,
+    box: tuple[float, float, float, float],
+    samples: int,
+    edge: LensEdge | None = None,
+) -> FieldAtlas:
+    """The atlas of a worn lens (None: the naked eye), of its surfaces beyond the outline too: a little beyond its edge, or all.
 
     box: least and greatest tangent u, then v. samples: grid points along the box's longer side; its cells are squares.
     """
@@ -43,10 +52,14 @@ def field_atlas(lens: Lens | None, wearer: Wearer, box: tuple[float, float, floa
     pitch = max(u1 - u0, v1 - v0) / (samples - 1)
     u, v = (low + pitch * np.arange(np.ceil((high - low) / pitch - 1e-9) + 1) for low, high in ((u0, u1), (v0, v1)))
     uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    field = trace(lens, wearer, unit(np.column_stack([uv, np.ones(len(uv))])), within_outline=False)
+    gaze = unit(np.column_stack([uv, np.ones(len(uv))]))
+    field = trace(lens, wearer, gaze, within_outline=False)
     plane = wearer.vertex_sphere_radius
     table = _table(field, uv, plane)
-    grid = np.where(field.status == Status.OK, 0, 1).reshape(v.size, u.size)
+    used = field.status == Status.OK
+    if edge is not None:
+        used &= edge.within(gaze, BEYOND)
+    grid = np.where(used, 0, 1).reshape(v.size, u.size)
     if grid.any() and not grid.all():
         nearest = distance_transform_edt(grid, return_distances=False, return_indices=True)
         table = table[np.ravel_multi_index(nearest, grid.shape).ravel()]

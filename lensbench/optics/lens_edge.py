@@ -31,12 +31,12 @@ class LensEdge(ReadOnlyArrays):
         across = factor * self.radius * np.stack([np.cos(angle), np.sin(angle)])
         return np.column_stack([*across, np.ones(self.radius.size)]) @ self.frame
 
-    def within(self, directions: Floats) -> NDArray[np.bool_]:
-        """Whether directions (..., 3), wear frame, point inside the edge."""
+    def within(self, directions: Floats, factor: float = 1.0) -> NDArray[np.bool_]:
+        """Whether directions (..., 3), wear frame, point inside the edge. factor: as in `directions`."""
         x, y, z = np.moveaxis(directions @ self.frame.T, -1, 0)
         turn = np.arctan2(y, x) % (2 * np.pi) * self.radius.size / (2 * np.pi)
         limit = np.interp(turn, np.arange(self.radius.size + 1), np.append(self.radius, self.radius[0]))
-        return (z > 0) & (np.hypot(x, y) < limit * z)
+        return (z > 0) & (np.hypot(x, y) < factor * limit * z)
 
 
 def lens_edge(lens: Lens, wearer: Wearer) -> LensEdge:

@@ -1,16 +1,25 @@
 """Pictures refine when nobody waits for the window; what is written on them stays legible."""
 
+import gc
 import math
 import time
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainter, QPixmap
 
+from lensbench.errors import LensBenchError
+from lensbench.gui import view_content
 from lensbench.gui.stage_widget import StageWidget
 from lensbench.gui.view_content import ViewContent
+from lensbench.layers import Request, ViewLayer
+from lensbench.optics.eye import Wearer
+from lensbench.scenes.builtin import load_scene
+from lensbench.session import Pane, Workbench
 from lensbench.views.stage import FINENESS
+from lensbench.workbench import run
 
 
 def test_a_stage_is_drawn_finely_when_nobody_waits(qtbot, monkeypatch):
@@ -52,6 +61,72 @@ def test_a_pass_of_the_view_stands_back(view, haste, since, drawn):
             view._one_pass()
     else:
         view._one_pass()
+
+
+SIZE = 1100, 800
+
+
+@pytest.fixture
+def wide(qtbot, monkeypatch):
+    """A view with more pixels than can follow a hand; the sizes of the pictures that it shows, and their passes."""
+    monkeypatch.setattr(view_content, "PASSES", 5)
+    content, shown = ViewContent(), []
+    qtbot.addWidget(content)
+    content.resize(*SIZE)
+    show = content._show_drawn
+    content._show_drawn = lambda: (show(), shown.append((content._image.size().toTuple(), content.passes)))
+    content.show()
+    yield content, shown
+    content.close_stage()
+
+
+def test_a_view_at_rest_is_drawn_in_all_pixels_of_its_viewport(qtbot, wide):
+    content, shown = wide
+    for azimuth in (0.0, 0.1):
+        shown.clear()
+        seen = run(Request(None, Wearer(), ViewLayer("naked", azimuth), load_scene("chart")))
+        content.show_answer(seen, Workbench(), Pane("view"))
+        assert not content.at_rest
+        qtbot.waitUntil(lambda: content.at_rest, timeout=20000)
+        sizes, passes = zip(*shown, strict=True)
+        assert sizes[0][0] * sizes[0][1] <= view_content.MOVING_PIXELS
+        assert sizes[-1] == SIZE
+        assert passes[-1] == 5
+        first_fine = sizes.index(SIZE)
+        assert passes[first_fine] >= passes[first_fine - 1], "the picture became coarser when it came to rest"
+        assert content.light().shape[:2] == SIZE[::-1]
+        assert content.seen.layer.size == SIZE
+
+
+def test_a_view_that_cannot_be_drawn_leaves_no_window(wide, monkeypatch):
+    content, _ = wide
+    ended = []
+
+    def refuse(window, *_):
+        window.AddObserver("DeleteEvent", lambda *_: ended.append(True))
+        raise LensBenchError("no")
+
+    monkeypatch.setattr(view_content, "JitterPass", refuse)
+    seen = run(Request(None, Wearer(), ViewLayer("naked"), load_scene("chart")))
+    for _ in range(2):
+        with pytest.raises(LensBenchError, match="no"):
+            content.show_answer(seen, Workbench(), Pane("view"))
+    gc.collect()
+    assert len(ended) == 2
+    assert not content.at_rest
+
+
+def test_a_stage_shows_the_picture_that_it_got(qtbot, monkeypatch):
+    """Which may be smaller than asked for."""
+    widget = StageWidget()
+    qtbot.addWidget(widget)
+    widget.resize(300, 200)
+    widget.draw(lambda plotter: None)
+    monkeypatch.setattr(widget.stage, "screenshot", lambda **_: np.full((50, 70, 3), 9, np.uint8))
+    widget.render_stage(1)
+    assert widget._image.size().toTuple() == (70, 50)
+    assert widget._image.pixelColor(69, 49).red() == 9
+    widget.close_stage()
 
 
 def test_words_on_a_stage_do_not_cover_each_other(qtbot, monkeypatch):

@@ -46,13 +46,14 @@ mat2 jitMatrix(int tile, jitCell cell) {
   return mat2(m.x, m.z, m.y, m.w);
 }
 
-// The chief ray at uv (origin, slope), and its change by u and v.
+// The chief ray at uv (origin, slope), and its change by u and v. Past the table's border the deviation stays as it is there.
 vec4 jitRay(jitCell cell, out vec4 byU, out vec4 byV) {
   vec4 a = jitFetch(0, cell.at), b = jitFetch(0, cell.at + ivec2(1, 0));
   vec4 c = jitFetch(0, cell.at + ivec2(0, 1)), d = jitFetch(0, cell.at + ivec2(1, 1));
-  byU = mix(b - a, d - c, cell.part.y) * jitGrid.z;
-  byV = mix(c - a, d - b, cell.part.x) * jitGrid.z;
-  return mix(mix(a, b, cell.part.x), mix(c, d, cell.part.x), cell.part.y);
+  vec2 f = clamp(cell.part, 0.0, 1.0), past = (cell.part - f) / jitGrid.z;
+  byU = past.x == 0.0 ? mix(b - a, d - c, f.y) * jitGrid.z : vec4(jitGrid.w, 0.0, 1.0, 0.0);
+  byV = past.y == 0.0 ? mix(c - a, d - b, f.x) * jitGrid.z : vec4(0.0, jitGrid.w, 0.0, 1.0);
+  return mix(mix(a, b, f.x), mix(c, d, f.x), f.y) + vec4(jitGrid.w * past, past);
 }
 
 float jitSignedMeanAxis(mat2 m) {
@@ -78,7 +79,8 @@ float jitAccommodation(mat2 k, mat2 n) {
   return clamp(wanted, 0.0, jitEye.y);
 }
 
-// Direction in which the point X appears: Newton's method for the chief ray through X, then a turn by -J^-1 M d.
+// Direction in which the point X appears: Newton's method for the chief ray through X, then a turn by -J^-1 M d. It takes
+// two or three steps, towards the edge of a strong lens more; one that is drawn far off would hide the picture.
 vec3 jitSeen(vec3 X) {
   float depth = X.z - jitGrid.w;
   if (X.z < 0.2 * length(X) || depth < 1.0) return X;
@@ -86,13 +88,16 @@ vec3 jitSeen(vec3 X) {
   mat2 turn = mat2(1.0);
   vec4 ray, byU, byV;
   jitCell cell;
-  for (int step = 0; step < 2; ++step) {
+  for (int step = 0; step < 8; ++step) {
     cell = jitFind(uv);
     ray = jitRay(cell, byU, byV);
     mat2 change = mat2(byU.xy / depth + byU.zw, byV.xy / depth + byV.zw);
     if (determinant(change) < 1e-4) break;
     turn = inverse(change);
-    uv -= turn * (ray.xy / depth + ray.zw - X.xy / depth);
+    vec2 move = turn * (ray.xy / depth + ray.zw - X.xy / depth);
+    float most = length(move);
+    uv -= most > 0.5 ? move * (0.5 / most) : move;
+    if (most < 1e-4) break;
   }
   mat2 refraction = mat2(jitRefraction.x, jitRefraction.y, jitRefraction.y, jitRefraction.z);
   mat2 n = jitMatrix(3, cell) + depth * jitMatrix(4, cell);

@@ -215,7 +215,9 @@ class JitterPass:
 
     def _prove(self) -> None:
         """Draw once and find out whether the driver takes the shaders, of which VTK itself only prints the messages."""
-        actors = [actor for zone in self._zones for actor in zone.actors if actor.GetVisibility()]
+        actors = [
+            actor for zone in self._zones for actor in zone.actors if actor.GetMapper().GetInput().GetNumberOfPolys()
+        ]
         drawn: list[bool] = []
         tags = [a.GetMapper().AddObserver("UpdateShaderEvent", lambda *_: drawn.append(True)) for a in actors]
         listener, printer = vtkStringOutputWindow(), vtkOutputWindow.GetInstance()
