@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .errors import InputError
 from .layers import EYES, DefocusView, SeenPart, SeenScene, ViewLayer
@@ -103,6 +104,11 @@ def pixel_directions(layer: ViewLayer) -> Floats:
     return np.stack([*np.meshgrid(x, y), np.ones((height, width))], axis=-1)
 
 
+def right_half(width: int) -> NDArray[np.bool_]:
+    """The columns (width,) of a split picture through the lens: those whose middle does not lie left of the picture's."""
+    return np.arange(width) + 0.5 >= width / 2
+
+
 def defocus_view(seen: SeenScene) -> DefocusView:
     """2|eps| in each pixel of a view: of the first point of the scene that its chief ray meets.
 
@@ -115,7 +121,7 @@ def defocus_view(seen: SeenScene) -> DefocusView:
     values = np.full(width * height, np.nan)
     inside = np.ones(len(gaze), dtype=bool) if seen.edge is None else seen.edge.within(gaze)
     if seen.layer.split:
-        inside &= np.arange(len(gaze)) % width >= width / 2
+        inside &= np.tile(right_half(width), height)
     if inside.any():
         field = trace(seen.lens, seen.wearer, gaze[inside])
         start = (field.origin - seen.eye) @ seen.head.T + seen.eye

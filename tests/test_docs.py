@@ -1,5 +1,6 @@
 """What the documentation shows, works."""
 
+import dataclasses
 import re
 import runpy
 import shutil
@@ -33,6 +34,19 @@ def test_the_pyvista_examples_make_the_pictures_beside_them(monkeypatch, tmp_pat
             assert made.size == kept.size
             difference = np.abs(np.asarray(made, dtype=float) - np.asarray(kept, dtype=float))
         assert difference.mean() < 2, name
+
+
+@pytest.mark.usefixtures("gl")
+def test_the_recipe_of_the_view_makes_the_view(monkeypatch):
+    from lensbench.views.jitter import render_view
+
+    monkeypatch.chdir(ROOT)
+    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "view.md").read_text(encoding="utf-8"), re.DOTALL)
+    names: dict = {}
+    exec(compile(example, "docs/view.md", "exec"), names)
+    seen = names["view"].seen
+    meant = render_view(dataclasses.replace(seen, layer=dataclasses.replace(seen.layer, size=(320, 240))), 32)
+    np.testing.assert_array_equal(names["picture"][..., :3], meant)
 
 
 def test_every_key_is_documented():

@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from test_jitter import CENTRED, EMMETROPE, MINUS_SIX, moments, on_picture, patches, resident_mb, see
 
+from lensbench.imaging.pixels import pixel_optics
 from lensbench.layers import Request, ViewLayer
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wearer
 from lensbench.optics.gaze import look_at
 from lensbench.scenes.builtin import load_scene
+from lensbench.seen import defocus_view
 from lensbench.session import Workbench
 from lensbench.workbench import run
 
@@ -67,6 +69,23 @@ def test_in_pyvistas_renderer_it_is_the_off_screen_picture(plotter):
     assert view.done
     view.close()
     assert not list(plotter.renderer.GetActors())
+
+
+def test_a_plotters_own_verbs_leave_the_view_as_it_is(plotter):
+    """PyVista places a camera anew that nobody has set: when it first draws, and when a mesh is added."""
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL)
+    fresh = jitter.render_view(seen, 4)
+    assert fresh.max() == 255
+    view = jitter.JitterPass(plotter.render_window, plotter.renderer, passes=4)
+    plotter.add_mesh(pv.Sphere(radius=10.0, center=(0.0, 0.0, -5000.0)))
+    view.show(seen)
+    plotter.show(auto_close=False)
+    for again in (lambda: None, lambda: plotter.add_mesh(pv.Sphere(radius=10.0, center=(0.0, 900.0, -9000.0)))):
+        again()
+        finish(view)
+        assert np.array_equal(plotter.screenshot(), fresh)
+        assert view.done
+    view.close()
 
 
 def test_every_change_begins_anew(plotter):
@@ -169,13 +188,24 @@ def test_a_driver_that_cannot_add_floats_sums_in_memory(monkeypatch):
     assert np.abs(jitter.render_view(seen, 4).astype(int) - usual).max() <= 1
 
 
-def test_split_shows_the_naked_eye_on_the_left():
-    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=SMALL, split=True)
+@pytest.mark.parametrize("width", [160, 161])
+def test_split_shows_the_naked_eye_on_the_left(width):
+    """Columns left of the picture's middle; half of the passes draw the one that the middle halves as through the lens."""
+    seen = see(patches(PLACES, 150), MINUS_SIX, MYOPE, size=(width, 120), split=True)
     split = jitter.render_view(seen, 6)
     through = jitter.render_view(replace(seen, layer=replace(seen.layer, split=False)), 6)
-    naked = jitter.render_view(see(patches(PLACES, 150), None, MYOPE, size=SMALL), 6)
-    assert np.array_equal(split[:, 82:], through[:, 82:])
-    assert np.array_equal(split[:, :78], naked[:, :78])
+    naked = jitter.render_view(see(patches(PLACES, 150), None, MYOPE, size=(width, 120)), 6)
+    assert np.array_equal(split[:, (width + 1) // 2 :], through[:, (width + 1) // 2 :])
+    assert np.array_equal(split[:, : width // 2], naked[:, : width // 2])
+
+
+@pytest.mark.parametrize("width", [40, 41])
+def test_defocus_map_and_optics_of_pixels_split_at_the_same_column(width):
+    """The column that the middle of the picture halves is as through the lens."""
+    seen = see(patches([(0.0, 0.0, 3000.0)], 4000.0), MINUS_SIX, MYOPE, size=(width, 24), split=True)
+    through = np.broadcast_to(np.arange(width) + 0.5 >= width / 2, (24, width))
+    assert np.array_equal(np.isfinite(defocus_view(seen).defocus), through)
+    assert np.array_equal(pixel_optics(seen).through == 1, through)
 
 
 def test_exposure_is_a_factor_on_the_light():

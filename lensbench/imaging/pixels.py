@@ -11,7 +11,7 @@ from ..optics.field import GazeField, ellipse
 from ..optics.gaze import trace
 from ..optics.lens import Lens
 from ..scenes.cast import first_hit
-from ..seen import pixel_directions
+from ..seen import pixel_directions, right_half
 
 _CHUNK = 65536  # pixels at a time: 100 MB
 
@@ -53,7 +53,7 @@ def pixel_optics(seen: SeenScene) -> PixelOptics:
     if seen.edge is not None:
         inside = seen.edge.within(gaze)
     if seen.layer.split:
-        inside &= np.tile(np.arange(width) + 0.5 >= width / 2, height)
+        inside &= np.tile(right_half(width), height)
     arrays = {f.name: np.full((len(gaze), *_WIDE.get(f.name, ())), np.nan) for f in fields(PixelOptics)}
     arrays["through"], arrays["status"] = inside.astype(np.uint32), np.zeros(len(gaze), dtype=np.uint32)
     for lens, where in ((seen.lens, inside), (None, ~inside)):

@@ -28,7 +28,7 @@ class FieldAtlas(ReadOnlyArrays):
 
     plane: z of the plane from which depth counts. table (5, ny, nx, 4), float32: origin and slope (ox, oy, tx, ty) of the
     chief ray at that plane; then the 2x2 matrices A, C, B, D row by row, between the Listing frames of gaze and outgoing
-    ray. Where no ray passes, and past the edge that was given, the nearest ray's deviation and matrices stand.
+    ray. Where no ray passes, and past the edge, the nearest ray's deviation and matrices stand.
     """
 
     u: Floats
@@ -44,9 +44,10 @@ def field_atlas(
     samples: int,
     edge: LensEdge | None = None,
 ) -> FieldAtlas:
-    """The atlas of a worn lens (None: the naked eye), of its surfaces beyond the outline too: a little beyond its edge, or all.
+    """The atlas of a worn lens (None: the naked eye), of its surfaces beyond the outline too.
 
     box: least and greatest tangent u, then v. samples: grid points along the box's longer side; its cells are squares.
+    edge: the lens's; from BEYOND times it on rays are not used, for grazing ones go astray.
     """
     u0, u1, v0, v1 = box
     pitch = max(u1 - u0, v1 - v0) / (samples - 1)

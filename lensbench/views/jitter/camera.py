@@ -27,6 +27,7 @@ def place_camera(camera: Any, seen: SeenScene) -> None:
     camera.SetViewUp(*seen.frame[1])
     camera.UseHorizontalViewAngleOn()
     camera.SetViewAngle(2 * float(np.degrees(seen.layer.half_width)))
+    camera.is_set = True  # else a PyVista plotter places its camera anew when it is shown or a mesh is added
 
 
 def frames(renderer: Any, head: Floats) -> Frames:
