@@ -173,7 +173,8 @@ class AgainstLayer:
 class ProbeLayer:
     """Readings along one gaze: through a point (x, y) mm of the front surface, or in a direction (3,) of the wear frame.
 
-    distance: as in MapLayer. head_turn, head_tilt: as in ViewLayer, for what is met in the scene.
+    distance: as in MapLayer. head_turn, head_tilt: as in ViewLayer, for what is met in the scene. quantity: of a map, to be
+    read there too.
     """
 
     point: tuple[float, float] | None = None
@@ -182,6 +183,7 @@ class ProbeLayer:
     accommodation: Accommodation = "retina"
     head_turn: float = 0.0
     head_tilt: float = 0.0
+    quantity: str = ""
 
 
 EYES = ("lens", "naked", "pinhole", "perfect")
@@ -339,7 +341,8 @@ class Probe(ReadOnlyArrays):
 
     distance: of the object along it, mm. sphere, cylinder, mean_power (D), axis (degrees): as worn for that distance. prism
     (cm/m), prism_base (degrees). semi_major, semi_minor: of the ellipse of confusion there, mm; NaN at infinity.
-    accommodation: in use, D. defocus: 2|eps|, arcmin. status: of the ray; readings are NaN where it is not OK.
+    accommodation: in use, D. defocus: 2|eps|, arcmin. status: of the ray; readings are NaN where it is not OK. value: of the
+    quantity that was asked for, in its unit.
     """
 
     point: tuple[float, float]
@@ -360,6 +363,7 @@ class Probe(ReadOnlyArrays):
     accommodation: float
     defocus: float
     status: int
+    value: float = float("nan")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -22,12 +22,22 @@ from .formats.wearer_file import WearerTable, build_wearer, wearer_table
 from .layers import EYES
 from .optics.eye import Wearer
 from .optics.lens import Lens, Order
-from .optics.ordered import wearer_as_ordered
+from .optics.ordered import wearer_as_ordered, wearer_for
 from .output import to_json, write_file
 from .quantities import QUANTITIES
 
 FORMAT = "lensbench-session/1"
 SPLITS = (1, 2, 4)
+PLAIN = (
+    "scene",
+    "lens",
+    "wearer",
+    "as_ordered",
+    "split",
+    "accommodation",
+    "head_turn",
+    "head_tilt",
+)  # kept as they are
 KINDS = {
     "map": "Map",
     "lens": "Lens in space",
@@ -107,6 +117,7 @@ PANES = (Pane("lens"), Pane("map", "astigmatism"), Pane("view"), Pane("profile")
 class Workbench:
     """Everything on the table. lens, wearer: indices of the active ones. scene: a name or a file. split: viewports shown.
 
+    as_ordered: index of the wearer who is, for each lens, of the refraction and accommodation for which it was ordered.
     distance: of objects from the front surface, mm, inf, or "scene" or "model" as in MapLayer. depths: of the ellipses, mm.
     head_turn, head_tilt: degrees, as in ViewLayer.
     """
@@ -116,6 +127,7 @@ class Workbench:
     scene: str = "room"
     lens: int = 0
     wearer: int = 0
+    as_ordered: int | None = None
     panes: tuple[Pane, ...] = PANES
     split: int = 4
     distance: float | str = float(np.inf)
@@ -131,8 +143,21 @@ class Workbench:
 
     @property
     def active_wearer(self) -> Wearer:
-        """The active wearer."""
-        return self.wearers[self.wearer]
+        """The active wearer, as he wears the active lens."""
+        return self.worn_by(self.active_lens)
+
+    def worn_by(self, lens: Lens | None) -> Wearer:
+        """The active wearer as he wears a lens."""
+        wearer = self.wearers[self.wearer]
+        if self.wearer != self.as_ordered or lens is None or lens.ordered is None:
+            return wearer
+        return wearer_for(wearer, lens.ordered)
+
+    def with_active_wearer(self, wearer: Wearer, as_ordered: bool) -> "Workbench":
+        """With another one in the place of the active wearer, who follows the lenses' orders if as_ordered and that one did."""
+        wearers = (*self.wearers[: self.wearer], wearer, *self.wearers[self.wearer + 1 :])
+        follows = None if self.as_ordered == self.wearer and not as_ordered else self.as_ordered
+        return replace(self, wearers=wearers, as_ordered=follows)
 
     def lens_of(self, pane: Pane) -> Lens | None:
         """The lens that a pane shows, if there is any."""
@@ -140,19 +165,24 @@ class Workbench:
             self.lenses[pane.lens].lens if pane.lens is not None and pane.lens < len(self.lenses) else self.active_lens
         )
 
+    def lens_less(self, pane: Pane) -> Lens | None:
+        """The lens whose map a pane takes off, if there is any."""
+        return self.lenses[pane.minus].lens if pane.minus is not None and pane.minus < len(self.lenses) else None
+
     def with_lens(self, path: Path, side: str = "", material: str = "") -> "Workbench":
         """With the lens in a file added and active, as `with_lens_read`. Raises InputError."""
         return self.with_lens_read(*lens_read(read_file(path), side, material))
 
     def with_lens_read(self, added: LensOnTable, told: Wearer | None) -> "Workbench":
-        """With a lens added and active, and its wearer, if its file told of one or none was chosen before."""
-        wearers, wearer = self.wearers, self.wearer
-        if told is None and not self.lenses and len(wearers) == 1 and added.lens.ordered is not None:
-            told = wearer_as_ordered(added.lens.ordered, name="as ordered")
+        """With a lens added and active, and the wearer of whom its file tells; while nobody was chosen, for each lens the one
+        whom its order suggests.
+        """
+        bench = replace(self, lenses=(*self.lenses, added), lens=len(self.lenses))
         if told is not None:
-            wearers = (told,) if wearers == UNASKED else (*wearers, told)
-            wearer = len(wearers) - 1
-        return replace(self, lenses=(*self.lenses, added), lens=len(self.lenses), wearers=wearers, wearer=wearer)
+            return bench.with_wearer(told)
+        if self.wearers == UNASKED and added.lens.ordered is not None:
+            return replace(bench, wearers=(wearer_as_ordered(added.lens.ordered, name="as ordered"),), as_ordered=0)
+        return bench
 
     def with_wearer(self, wearer: Wearer) -> "Workbench":
         """With a wearer added and active; it takes the place of the emmetrope that nobody asked for."""
@@ -227,6 +257,7 @@ class SessionTable(Table):
     scene: str = "room"
     lens: int = Field(0, ge=0)
     wearer: int = Field(0, ge=0)
+    as_ordered: int | None = Field(None, ge=0)
     panes: list[PaneTable] = Field(min_length=4, max_length=4)
     split: Literal[1, 2, 4] = 4
     distance: Annotated[float, Field(gt=0)] | Literal["inf", "scene", "model"] = "inf"
@@ -248,8 +279,7 @@ def save_session(workbench: Workbench, path: Path, window: str = "") -> None:
         "depths": list(workbench.depths),
         "window": window,
     }
-    plain = ("scene", "lens", "wearer", "split", "accommodation", "head_turn", "head_tilt")
-    data |= {name: getattr(workbench, name) for name in plain}
+    data |= {name: getattr(workbench, name) for name in PLAIN}
     write_file(path, to_json(data))
 
 
@@ -278,21 +308,25 @@ def load_session(path: Path) -> tuple[Workbench, str]:
     table = validated(path, data, SessionTable)
     lenses = tuple(_lens_on_table(path, entry) for entry in table.lenses)
     wearers = tuple(build_wearer(path, wearer) for wearer in data["wearers"])
-    for name, index, count in (("lens", table.lens, max(1, len(lenses))), ("wearer", table.wearer, len(wearers))):
+    for name, index, count in (
+        ("lens", table.lens, max(1, len(lenses))),
+        ("wearer", table.wearer, len(wearers)),
+        ("as_ordered", table.as_ordered or 0, len(wearers)),
+    ):
         if index >= count:
-            raise InputError(f"{path}: {name}: there is no {name} {index}; the file holds {count}, counted from 0")
+            what = name.replace("as_ordered", "wearer")
+            raise InputError(f"{path}: {name}: there is no {what} {index}; the file holds {count}, counted from 0")
     panes = tuple(Pane(**pane.model_dump()) for pane in table.panes)
     for k, pane in enumerate(panes):
         if max(pane.lens or 0, pane.minus or 0) >= max(1, len(lenses)):
             raise InputError(f"{path}: panes.{k}: names a lens that the file does not hold")
-    plain = ("scene", "lens", "wearer", "split", "accommodation", "head_turn", "head_tilt")
     return Workbench(
         lenses=lenses,
         wearers=wearers,
         panes=panes,
         distance=np.inf if table.distance == "inf" else table.distance,
         depths=tuple(table.depths),
-        **{name: getattr(table, name) for name in plain},
+        **{name: getattr(table, name) for name in PLAIN},
     ), table.window
 
 

@@ -61,7 +61,7 @@ from .optics.ordered import wearer_as_ordered
 from .optics.tolerances import Verification, verification
 from .optics.voxels import blur_on_planes, distance_to_plane, ndc_blur
 from .probe import read_probe
-from .quantities import QUANTITIES
+from .quantities import QUANTITIES, Quantity
 from .readings import point_readings
 from .real_rays import compare
 from .scenes.scene import Scene
@@ -131,10 +131,7 @@ def _moved(scene: Scene, x: float) -> Scene:
 @_answer.register
 def lens_map(layer: MapLayer, request: Request) -> LensMap:
     """A quantity over the front surface, within the outline."""
-    lens = _needed_lens(request)
-    if layer.quantity not in QUANTITIES:
-        raise InputError(f"unknown quantity {layer.quantity!r}; there are {', '.join(QUANTITIES)}")
-    quantity = QUANTITIES[layer.quantity]
+    lens, quantity = _needed_lens(request), _quantity(layer.quantity)
     x, y, inside, field = _map_field(lens, *_geometry(request.wearer), layer.samples)
     field = replace(field, wearer=request.wearer)
     distance = _object_distance(layer.distance, field, request)
@@ -145,6 +142,12 @@ def lens_map(layer: MapLayer, request: Request) -> LensMap:
     status[np.isnan(values) & (status == Status.OK)] = Status.BUNDLE_CUT
     shape = (y.size, x.size)
     return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
+
+
+def _quantity(name: str) -> Quantity:
+    if name not in QUANTITIES:
+        raise InputError(f"unknown quantity {name!r}; there are {', '.join(QUANTITIES)}")
+    return QUANTITIES[name]
 
 
 def _geometry(wearer: Wearer) -> tuple[Wear, float, float]:
@@ -337,7 +340,10 @@ def probe(layer: ProbeLayer, request: Request) -> Probe:
     if field.status[0] != Status.OK:
         return read_probe(field, np.nan, 0.0)
     distance = _object_distance(layer.distance, _turned(field, layer), request)
-    return read_probe(field, distance, layer.accommodation)
+    found = read_probe(field, distance, layer.accommodation)
+    if not layer.quantity:
+        return found
+    return replace(found, value=float(_quantity(layer.quantity).values(field, distance, layer.accommodation)[0]))
 
 
 def _turned(field: GazeField, layer: ProbeLayer) -> GazeField:

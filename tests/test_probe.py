@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import lensbench as lb
+from lensbench.errors import InputError
 from lensbench.layers import MapLayer, ProbeLayer, Request, ViewLayer
 from lensbench.optics.conventions import Status
 from lensbench.optics.gaze import direction_from_angles
+from lensbench.quantities import QUANTITIES
 from lensbench.scenes.scene import Part, Scene
 from lensbench.seen import pixel_directions
 from lensbench.workbench import run
@@ -73,3 +75,16 @@ def test_turned_head_meets_what_the_view_shows(case, turn, tilt):
     line = direction_from_angles(0.1, -0.15)
     expected = seen.eye + line * (1500.0 - seen.eye[2]) / line[2]
     assert hit == pytest.approx(expected, abs=0.5)
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_every_quantity_of_a_map_is_read_at_a_point_as_the_map_has_it(case, quantity):
+    lens_map = run(Request(*case, MapLayer(quantity, 400.0, samples=31)))
+    for j, i in ((5, 17), (20, 12)):
+        probe = run(Request(*case, ProbeLayer((lens_map.x[i], lens_map.y[j]), distance=400.0, quantity=quantity)))
+        assert probe.value == pytest.approx(lens_map.values[j, i], rel=1e-6, abs=1e-6)
+
+
+def test_a_quantity_that_is_not_known_is_said(case):
+    with pytest.raises(InputError, match="taste"):
+        run(Request(*case, ProbeLayer((0.0, 0.0), quantity="taste")))

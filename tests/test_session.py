@@ -123,6 +123,7 @@ BAD = {
     "a step of nothing": (with_value("panes", 1, "step", 0.0), "panes.1.step"),
     "a lens beyond the last": (with_value("lens", 5), "no lens 5"),
     "a wearer beyond the last": (with_value("wearer", 9), "no wearer 9"),
+    "nobody as ordered": (with_value("as_ordered", 9), "as_ordered: there is no wearer 9"),
     "no wearer": (with_value("wearers", []), "wearers"),
     "a distance in words": (with_value("distance", "far"), "distance"),
     "no depths": (with_value("depths", []), "depths"),
@@ -175,3 +176,27 @@ def test_a_lens_taken_off_leaves_panes_and_indices_right(table):
     assert left.active_lens is table.lenses[1].lens
     assert (left.panes[0].lens, left.panes[0].minus, left.panes[1].lens) == (0, None, None)
     assert left.without_lens(0).active_lens is None
+
+
+def test_each_lens_has_the_wearer_of_its_order_until_one_is_chosen(tmp_path):
+    names = ("sphere_minus_4_R.toml", "regular_R.toml")
+    bench = Workbench()
+    for name in names:
+        bench = bench.with_lens(SAMPLES / name)
+    assert len(bench.wearers) == 1
+    save_session(bench, tmp_path / "a.lensbench.json")
+    back, _ = load_session(tmp_path / "a.lensbench.json")
+    for table in (bench, back):
+        for entry in table.lenses:
+            worn = table.worn_by(entry.lens)
+            np.testing.assert_allclose(worn.eye.refraction, entry.lens.ordered.power(), atol=1e-9)
+            assert worn.eye.accommodation == max(0.0, 2 * (2.5 - entry.lens.ordered.addition))
+            assert table.worn_by(entry.lens) is worn, "the same question has the same answer"
+    chosen = bench.with_wearer(replace(bench.active_wearer, name="chosen"))
+    assert {chosen.worn_by(entry.lens) for entry in chosen.lenses} == {chosen.wearers[1]}
+    assert chosen.as_ordered == 0
+
+
+def test_a_wearer_who_came_first_stays(tmp_path):
+    mine = Workbench().with_wearer(replace(Workbench().active_wearer, name="mine"))
+    assert mine.with_lens(SAMPLES / "regular_R.toml").wearers == mine.wearers

@@ -252,7 +252,7 @@ def _said_by(bench: "Workbench") -> dict[str, Any]:
 def _case(args: argparse.Namespace, bench: "Workbench", lens: "Lens") -> tuple["Lens", "Wearer"]:
     from ..formats import load_wearer
 
-    return lens, load_wearer(args.wearer, lens.side) if args.wearer else bench.active_wearer
+    return lens, load_wearer(args.wearer, lens.side) if args.wearer else bench.worn_by(lens)
 
 
 def load_cases(args: argparse.Namespace, path: Path) -> list[tuple["Lens", "Wearer"]]:

@@ -25,7 +25,9 @@ def start(files: list[Path]) -> int:
     window = MainWindow()
     window.show()
     window.files.open(files)
-    return int(application.exec())
+    code = application.exec()
+    window.lane.wait()
+    return int(code)
 
 
 def _require_display() -> None:

@@ -27,7 +27,8 @@ class ConoidContent(SpaceContent):
         self.camera_moved.connect(self._keep_camera)
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        lens = bench.lens_of(pane)
+        wearer = bench.worn_by(lens)
         layer = ConoidLayer(*self.gaze, bench.distance, bench.accommodation)
         scene = bench.scene if bench.distance == "scene" else ""
         return (lens, wearer, layer, scene), partial(answer_with_scene, lens, wearer, layer, scene)
@@ -40,7 +41,8 @@ class ConoidContent(SpaceContent):
 
         def put(plotter: Any) -> None:
             factor = fitting_factor(answer)
-            words = draw_conoid(plotter, bench.lens_of(pane), bench.active_wearer, answer, factor)
+            lens = bench.lens_of(pane)
+            words = draw_conoid(plotter, lens, bench.worn_by(lens), answer, factor)
             self.stage.words = [*words, (answer.pupil, f"×{factor:g} across the ray")]
             if not self._turned:
                 look_at_conoid(plotter, answer)

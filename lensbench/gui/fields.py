@@ -37,14 +37,16 @@ class Field:
 # ---- the wearer ----
 
 
-def _with_wearer(bench: Workbench, **changes: Any) -> Workbench:
-    wearer = replace(bench.active_wearer, **changes)
-    return replace(bench, wearers=(*bench.wearers[: bench.wearer], wearer, *bench.wearers[bench.wearer + 1 :]))
+def _with_wearer(bench: Workbench, as_ordered: bool = True, **changes: Any) -> Workbench:
+    """With the active wearer changed; as_ordered: whether he is still the one for whom each lens was ordered, if he was."""
+    if not as_ordered and bench.as_ordered == bench.wearer:
+        changes["name"] = f"{bench.active_wearer.name}, edited"
+    return bench.with_active_wearer(replace(bench.active_wearer, **changes), as_ordered)
 
 
-def _of_eye(name: str) -> tuple[Read, Write]:
+def _of_eye(name: str, as_ordered: bool = True) -> tuple[Read, Write]:
     def write(bench: Workbench, value: float) -> Workbench:
-        return _with_wearer(bench, eye=replace(bench.active_wearer.eye, **{name: value}))
+        return _with_wearer(bench, as_ordered, eye=replace(bench.active_wearer.eye, **{name: value}))
 
     return lambda bench: getattr(bench.active_wearer.eye, name), write
 
@@ -73,14 +75,14 @@ def _of_refraction(k: int) -> tuple[Read, Write]:
     def write(bench: Workbench, value: float) -> Workbench:
         power = [float(v) for v in sphere_cylinder_axis(bench.active_wearer.eye.refraction)]
         power[k] = value
-        return _with_wearer(bench, eye=replace(bench.active_wearer.eye, refraction=power_matrix(*power)))
+        return _with_wearer(bench, False, eye=replace(bench.active_wearer.eye, refraction=power_matrix(*power)))
 
     return lambda bench: float(sphere_cylinder_axis(bench.active_wearer.eye.refraction)[k]), write
 
 
 def _write_age(bench: Workbench, age: float) -> Workbench:
     eye = replace(bench.active_wearer.eye, accommodation=float(hofstetter_amplitude(age)))
-    return _with_wearer(bench, age=age, eye=eye)
+    return _with_wearer(bench, False, age=age, eye=eye)
 
 
 DEGREE = float(np.radians(1.0))
@@ -91,7 +93,7 @@ REFRACTION = (
 )
 EYE = (
     Field("Age", "years", 5, 90, 1, lambda bench: bench.active_wearer.age or 0.0, _write_age),
-    Field("Accommodation", "D", 0, 15, 0.25, *_of_eye("accommodation")),
+    Field("Accommodation", "D", 0, 15, 0.25, *_of_eye("accommodation", as_ordered=False)),
     Field("Pupil", "mm", 1.5, 9, 0.1, *_of_eye("pupil_diameter")),
     Field("Centre of rotation", "mm", 10, 17, 0.1, *_of_eye("centre_of_rotation"), slider=False),
 )

@@ -86,7 +86,10 @@ class Files:
     def _put(self, found: FileRead) -> None:
         document = self.window.document
         if found.window is None:
+            untouched = self.session is None and not document.modified
             document.edit(f"Open {found.path.name}", found.put)
+            if untouched:  # the files themselves still say all that lies on the table
+                document.saved()
             return
         self.session = found.path
         document.open(found.put(document.workbench))

@@ -1,11 +1,22 @@
 """A form of numbers, each typed or dragged; every change is an edit of the document."""
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import QEvent, Qt, Signal
 from PySide6.QtWidgets import QDoubleSpinBox, QFormLayout, QHBoxLayout, QSlider, QWidget
 
 from ..session import Workbench
 from .document import Document
 from .fields import Field
+
+
+class NumberBox(QDoubleSpinBox):
+    """A spin box that leaves Space to the window: no number holds one."""
+
+    def event(self, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.ShortcutOverride and event.key() == Qt.Key.Key_Space:
+            self.interpretText()
+            event.ignore()
+            return True
+        return super().event(event)
 
 
 class NumberRow(QWidget):
@@ -17,7 +28,7 @@ class NumberRow(QWidget):
     def __init__(self, field: Field) -> None:
         super().__init__()
         self.field = field
-        self.box = QDoubleSpinBox(decimals=field.decimals, minimum=field.low, maximum=field.high, singleStep=field.step)
+        self.box = NumberBox(decimals=field.decimals, minimum=field.low, maximum=field.high, singleStep=field.step)
         self.box.setSuffix(f" {field.unit}")
         self.box.setKeyboardTracking(False)
         self.box.setAccessibleName(field.name)

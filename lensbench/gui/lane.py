@@ -15,6 +15,7 @@ from ..errors import LensBenchError
 NICENESS = 19
 SLICE = 5e-4  # s: for how long this thread keeps Python from the window's
 MOMENT, PATIENCE = 0.02, 0.15  # s
+_IN_TURN = threading.Lock()  # a lane that is closed may still be at its last question when another one begins
 
 
 class Lane(QObject):
@@ -22,11 +23,13 @@ class Lane(QObject):
     threads inherit it). Askers are named; while one waits, a newer question of his takes the place of the older one. One that
     is in hand is answered all the same, so that pictures follow a hand that does not rest.
 
-    answered(asker, answer); failed(asker, sentence); idle(): nothing is left to do.
+    answered(asker, answer); failed(asker, sentence); stopped(): nothing of what was asked so far will be answered; idle():
+    nothing is left to do.
     """
 
     answered = Signal(str, object)
     failed = Signal(str, str)
+    stopped = Signal()
     idle = Signal()
     _done = Signal(str, int, object, object)
 
@@ -53,12 +56,18 @@ class Lane(QObject):
                 self._waiting = {asker: self._waiting.pop(asker), **self._waiting}
             self._wake.notify()
 
-    def drop(self, asker: str | None = None) -> None:
-        """Answer nothing more to this asker (None: to all) of what was asked so far."""
+    def drop(self, asker: str) -> None:
+        """Answer nothing more to this asker of what was asked so far."""
         with self._wake:
-            for name in list(self._waiting) if asker is None else [asker]:
-                self._waiting.pop(name, None)
+            self._waiting.pop(asker, None)
             self._dropped[asker] = self._count
+
+    def stop(self) -> None:
+        """Answer nothing more to anybody of what was asked so far."""
+        with self._wake:
+            self._waiting.clear()
+            self._dropped[None] = self._count
+        self.stopped.emit()
 
     @property
     def busy(self) -> bool:
@@ -76,11 +85,14 @@ class Lane(QObject):
         return PATIENCE if self.busy else 0.0
 
     def close(self) -> None:
-        """Answer nothing more, and wait for the question in hand."""
-        self.drop()
+        """Answer nothing more; the question in hand is left to itself."""
         with self._wake:
+            self._waiting.clear()
             self._open = False
             self._wake.notify()
+
+    def wait(self) -> None:
+        """Wait until the thread has ended, after `close`."""
         self._thread.join()
 
     def _work(self) -> None:
@@ -96,12 +108,15 @@ class Lane(QObject):
                 self._running += 1
             answer, error = None, None
             try:
-                answer = question()
-            except Exception as found:
+                with _IN_TURN:
+                    answer = question()
+            except BaseException as found:
                 error = found
-            self._done.emit(asker, number, answer, error)
+            with self._wake:
+                if self._open:  # else the lane may be gone
+                    self._done.emit(asker, number, answer, error)
 
-    def _deliver(self, asker: str, number: int, answer: Any, error: Exception | None) -> None:
+    def _deliver(self, asker: str, number: int, answer: Any, error: BaseException | None) -> None:
         with self._wake:
             self._running -= 1
             dropped = number <= max(self._dropped.get(name, 0) for name in (asker, None))
@@ -115,7 +130,7 @@ class Lane(QObject):
             self.idle.emit()
 
 
-def sentence(error: Exception) -> str:
+def sentence(error: BaseException) -> str:
     """An error as one line for the reader; what nobody foresaw keeps its type."""
     if isinstance(error, OSError) and error.filename:
         return f"{error.filename}: {error.strerror}"

@@ -1,6 +1,5 @@
 """The main window: tree and forms on the left, linked viewports in the middle, readings and log below."""
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -21,15 +20,15 @@ from PySide6.QtWidgets import (
 
 from .. import __version__
 from ..errors import LensBenchError
-from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
+from ..layers import Probe
 from ..session import SPLITS, Pane, Workbench
+from .asker import marked
 from .document import Document
 from .files import Files
 from .lane import Lane, sentence
 from .pictures import PictureActions
-from .readings_panel import PointsTable, ProbePanel, TolerancePanel
+from .readings import Readings
 from .reports import ReportRunner
-from .scene_source import answer_with_scene
 from .space_content import SIDES, SpaceContent
 from .table_panel import TablePanel
 from .theme import set_theme
@@ -43,11 +42,10 @@ class MainWindow(QMainWindow):
         super().__init__()
         self.settings = settings or QSettings("LensBench", "LensBench")
         self.document, self.lane = Document(), Lane()
-        self.probe: Probe | None = None
         self._flip_to: int | None = None
-        self._asked: tuple[Any, ...] | None = None
         self.viewports = [Viewport(self.document, self.lane, k) for k in range(max(SPLITS))]
         self.files = Files(self)
+        self.readings = Readings(self, self.document, self.lane)
         self.pictures = PictureActions(self)
         self.reports = ReportRunner(self)
         self._central = QWidget()
@@ -57,12 +55,13 @@ class MainWindow(QMainWindow):
         self._build_docks()
         self._build_menus()
         for viewport in self.viewports:
-            viewport.pointed.connect(self.point_at)
+            viewport.pointed.connect(partial(self.readings.point_at, viewport.k))
             viewport.said.connect(self.say)
             viewport.acted.connect(self._act)
             viewport.turned.connect(self._link_cameras)
         self.lane.answered.connect(self._answered)
-        self.lane.failed.connect(self._failed)
+        self.readings.probed.connect(self._mark_probe)
+        self.readings.said.connect(self.say)
         self.document.changed.connect(self.show_bench)
         self.document.history.connect(self._show_history)
         self.setAcceptDrops(True)
@@ -75,15 +74,17 @@ class MainWindow(QMainWindow):
     def _build_docks(self) -> None:
         self.table = TablePanel(self.document, self.attempt)
         self._dock("Table", self.table, Qt.DockWidgetArea.LeftDockWidgetArea)
-        self.points, self.tolerances, self.probe_panel = PointsTable(), TolerancePanel(), ProbePanel()
+        readings = self.readings
         self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=500)
         tabs = QTabWidget()
         for title, widget in (
-            ("Reference points", self.points), ("Against the order", self.tolerances), ("Log", self.log),
+            ("Reference points", marked(readings.points, readings.of_points)),
+            ("Against the order", marked(readings.tolerances, readings.of_tolerances)),
+            ("Log", self.log),
         ):  # fmt: skip
             tabs.addTab(widget, title)
         self._dock("Readings", tabs, Qt.DockWidgetArea.BottomDockWidgetArea)
-        self._dock("Probe", self.probe_panel, Qt.DockWidgetArea.BottomDockWidgetArea)
+        self._dock("Probe", marked(readings.probe_panel, readings.of_probe), Qt.DockWidgetArea.BottomDockWidgetArea)
         docks = [self.findChild(QDockWidget, name) for name in ("Readings", "Probe")]
         self.resizeDocks(docks, [1000, 330], Qt.Orientation.Horizontal)
         self.resizeDocks(docks, [190, 190], Qt.Orientation.Vertical)
@@ -128,6 +129,7 @@ class MainWindow(QMainWindow):
         for k, side in enumerate(("", *SIDES), start=2):
             self._action(camera, f"From {side}" if side else "As at first", partial(self._look, side), f"F{k}")
         self._action(view, "&Stop computing", self.stop, "Esc")
+        self._action(view, "&Compute what was stopped", self.again, "F8")
         self._action(view, "Full screen", self._full_screen, "F11")
         self.dark = self._action(view, "&Dark", lambda: self._theme(self.dark.isChecked()))
         self.dark.setCheckable(True)
@@ -146,12 +148,11 @@ class MainWindow(QMainWindow):
     # ---- showing ----
 
     def show_bench(self, old: Workbench | None, new: Workbench) -> None:
-        """Show the workbench: layout, title, readings."""
+        """Show the workbench: layout, and to which lens one flips."""
         if old is None or old.split != new.split:
             self._lay_out(new.split)
         if old is not None and old.lens != new.lens and old.lens < len(new.lenses):
             self._flip_to = old.lens
-        self._ask_readings(new)
 
     def _lay_out(self, split: int) -> None:
         for viewport in self.viewports:
@@ -164,44 +165,18 @@ class MainWindow(QMainWindow):
             viewport.show_bench(None, self.document.workbench)
         self.splits[split].setChecked(True)
 
-    def _ask_readings(self, bench: Workbench) -> None:
-        lens, wearer = bench.active_lens, bench.active_wearer
-        if lens is None or self._asked == (lens, wearer):
-            return
-        self._asked = lens, wearer
-        for asker, layer in (("points", PointsLayer()), ("tolerances", VerificationLayer())):
-            self.lane.ask(asker, partial(answer_with_scene, lens, wearer, layer, ""))
+    @property
+    def probe(self) -> Probe | None:
+        """The gaze that is marked in every view."""
+        return self.readings.probe
 
-    def point_at(self, point: Any, direction: Any) -> None:
-        """Read along the gaze through a lens point, or in a direction, and mark it everywhere."""
-        bench = self.document.workbench
-        sender = self.sender()
-        lens = bench.lens_of(bench.panes[sender.k]) if isinstance(sender, Viewport) else bench.active_lens
-        if lens is None:
-            return
-        distance = bench.distance if direction is None else "scene"
-        head = (math.radians(angle) for angle in (bench.head_turn, bench.head_tilt))
-        layer = ProbeLayer(point, direction, distance, bench.accommodation, *head)
-        scene = bench.scene if distance == "scene" else ""
-        self.lane.ask("probe", partial(answer_with_scene, lens, bench.active_wearer, layer, scene), first=True)
+    def _mark_probe(self, probe: Probe | None) -> None:
+        for viewport in self.viewports[: self.document.workbench.split]:
+            viewport.show_probe(probe)
 
-    def _answered(self, asker: str, answer: Any) -> None:
-        if asker == "probe":
-            self.probe = answer
-            self.probe_panel.show_probe(answer)
-            for viewport in self.viewports[: self.document.workbench.split]:
-                viewport.show_probe(answer)
-        elif asker.startswith("viewport"):
-            for viewport in self.viewports[: self.document.workbench.split]:
-                viewport.show_probe(self.probe)
-        elif asker == "points":
-            self.points.show_readings(answer)
-        elif asker == "tolerances":
-            self.tolerances.show_verification(answer)
-
-    def _failed(self, asker: str, sentence: str) -> None:
-        if asker in ("points", "tolerances", "probe"):
-            self.say(sentence)
+    def _answered(self, asker: str, _answer: Any) -> None:
+        if asker.startswith("viewport"):
+            self._mark_probe(self.probe)
 
     def say(self, sentence: str) -> None:
         """A line for the log and the status bar."""
@@ -235,10 +210,15 @@ class MainWindow(QMainWindow):
             self.document.edit("Flip between lenses", lambda bench: replace(bench, lens=other), "flip")
 
     def stop(self) -> None:
-        """Compute nothing more of what was asked."""
-        self.lane.drop()
+        """Compute nothing more of what was asked so far."""
+        self.lane.stop()
         self.reports.cancel()
-        self.say("stopped; what is shown may be older than the settings")
+        self.say("stopped: what is marked so is older than the settings; a click on the mark or F8 computes it")
+
+    def again(self) -> None:
+        """Compute what was stopped."""
+        for asker in (*(viewport.asker for viewport in self.viewports), *self.readings.askers):
+            asker.again()
 
     def _split(self, split: int) -> None:
         self.document.edit("Number of viewports", lambda bench: replace(bench, split=split))
@@ -342,7 +322,7 @@ class MainWindow(QMainWindow):
         event.acceptProposedAction()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        if self.document.modified and self.document.workbench.lenses and not self._may_close():
+        if not self._may_close():
             event.ignore()
             return
         self.reports.cancel()
@@ -352,8 +332,11 @@ class MainWindow(QMainWindow):
         event.accept()
 
     def _may_close(self) -> bool:
-        """Ask whether to save what is not in a session file; sessions that never were saved are not worth a question."""
-        if self.files.session is None:
+        """Whether nothing is lost: neither a picture that is not yet written nor edits that the user, asked, wants to keep."""
+        if self.pictures.being_saved:
+            self.say(f"{self.pictures.being_saved[0]} is still being written; Esc gives it up")
+            return False
+        if not self.document.modified:
             return True
         buttons = QMessageBox.StandardButton
         answer = QMessageBox.question(

@@ -121,7 +121,7 @@ class MapContent(Plot):
         """Axes, bands within the outline, isolines, marks, colour bar."""
         if self.drawn is None:
             return
-        lens, lens_map, bands, _ = self.drawn.banded
+        lens, _, lens_map, bands, _ = self.drawn.banded
         sides = ("temporal", "nasal") if lens.side == "R" else ("nasal", "temporal")
         self.draw_axes(painter, f"{sides[0]}  ←   x, mm   →  {sides[1]}", "y, mm")
         outline = QPainterPath()

@@ -10,15 +10,18 @@ from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..session import Pane, Workbench
 from ..views.bands import Bands, map_bands, shared_limits
-from .scene_source import answer_with_scene
+from .scene_source import answer_with_scene, scene_named
 
 SAMPLES = 128
 
+Worn = tuple[Lens, Wearer]
+
 
 class BandedMap(NamedTuple):
-    """A map of a lens with its bands; limits: of the scale where it is not the map's own."""
+    """A map of a lens as it is worn, with its bands; limits: of the scale where it is not the map's own."""
 
     lens: Lens
+    wearer: Wearer
     lens_map: LensMap
     bands: Bands
     limits: tuple[float, float] | None
@@ -26,17 +29,19 @@ class BandedMap(NamedTuple):
 
 def map_question(bench: Workbench, pane: Pane) -> tuple[tuple[Any, ...], Callable[[], BandedMap]] | None:
     """What a pane's map depends on, and how it is found; None without a lens."""
-    lens, wearer = bench.lens_of(pane), bench.active_wearer
+    lens, less = bench.lens_of(pane), bench.lens_less(pane)
     if lens is None:
         return None
+    worn = lens, bench.worn_by(lens)
     layer = MapLayer(pane.quantity, bench.distance, bench.accommodation, SAMPLES)
     scene = bench.scene if bench.distance == "scene" else ""
     look = pane.low, pane.high, pane.step
-    if pane.minus is not None and pane.minus < len(bench.lenses):
-        reference = bench.lenses[pane.minus].lens
-        return (lens, reference, wearer, layer, look), partial(_difference, lens, reference, wearer, layer, pane)
-    others = _side_by_side(bench, pane) if pane.low is None else (lens,)
-    return (lens, others, wearer, layer, scene, look), partial(_banded, lens, others, wearer, layer, scene, pane)
+    if less is not None:
+        reference = less, bench.worn_by(less)
+        return (worn, reference, layer, scene, look), partial(_difference, worn, reference, layer, scene, pane)
+    shown = _side_by_side(bench, pane) if pane.low is None else (lens,)
+    others = tuple((other, bench.worn_by(other)) for other in shown)
+    return (worn, others, layer, scene, look), partial(_banded, worn, others, layer, scene, pane)
 
 
 def _side_by_side(bench: Workbench, pane: Pane) -> tuple[Lens, ...]:
@@ -46,15 +51,16 @@ def _side_by_side(bench: Workbench, pane: Pane) -> tuple[Lens, ...]:
     return tuple(entry.lens for entry in bench.lenses if any(entry.lens is lens for lens in shown))
 
 
-def _banded(lens: Lens, others: tuple[Lens, ...], wearer: Wearer, layer: MapLayer, scene: str, pane: Pane) -> BandedMap:
-    lens_map = answer_with_scene(lens, wearer, layer, scene)
+def _banded(worn: Worn, others: tuple[Worn, ...], layer: MapLayer, scene: str, pane: Pane) -> BandedMap:
+    lens_map = answer_with_scene(*worn, layer, scene)
     limits = None if pane.low is None or pane.high is None else (pane.low, pane.high)
     if len(others) > 1:
-        limits = shared_limits([answer_with_scene(other, wearer, layer, scene) for other in others])
-    return BandedMap(lens, lens_map, map_bands(others[0], lens_map, pane.step, limits), limits)
+        limits = shared_limits([answer_with_scene(*other, layer, scene) for other in others])
+    return BandedMap(*worn, lens_map, map_bands(others[0][0], lens_map, pane.step, limits), limits)
 
 
-def _difference(lens: Lens, reference: Lens, wearer: Wearer, layer: MapLayer, pane: Pane) -> BandedMap:
-    lens_map = difference(Request(lens, wearer, layer), Request(reference, wearer, layer))
+def _difference(worn: Worn, reference: Worn, layer: MapLayer, scene: str, pane: Pane) -> BandedMap:
+    seen = scene_named(scene) if scene else None
+    lens_map = difference(Request(*worn, layer, seen), Request(*reference, layer, seen))
     limits = None if pane.low is None or pane.high is None else (pane.low, pane.high)
-    return BandedMap(reference, lens_map, map_bands(reference, lens_map, pane.step, limits), limits)
+    return BandedMap(*reference, lens_map, map_bands(reference[0], lens_map, pane.step, limits), limits)

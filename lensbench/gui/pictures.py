@@ -1,6 +1,7 @@
 """What can be done with the picture in a viewport: its colour scale, copying and saving."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,15 @@ class PictureActions:
 
     def __init__(self, window: "MainWindow") -> None:
         self.window = window
+        self._saving: dict[str, Path] = {}  # by the name of the asker
+        window.lane.answered.connect(self._found)
+        window.lane.failed.connect(self._failed)
+        window.lane.stopped.connect(self._stopped)
+
+    @property
+    def being_saved(self) -> list[Path]:
+        """Files whose content is still being computed."""
+        return list(self._saving.values())
 
     def act(self, verb: str, k: int) -> None:
         """ "scale", "keep", "share", "copy" or "save". Raises InputError."""
@@ -90,6 +100,7 @@ class PictureActions:
             save_picture(figure, path)
         elif kind == ".exr":
             self._save_exr(content, path)
+            return
         elif kind == ".png":
             write_file(path, _png(content.picture()))
         else:
@@ -97,12 +108,31 @@ class PictureActions:
         self.window.say(f"written: {path}")
 
     def _save_exr(self, content: Any, path: Path) -> None:
+        """The optics of its pixels are traced, as all else, in the lane; the file is written when they are there."""
         light, seen = getattr(content, "light", lambda: None)(), getattr(content, "seen", None)
         if light is None or seen is None:
             raise InputError(f"{path}: only the simulated view is saved as .exr")
         from ..imaging.exr import exr_bytes
 
-        write_file(path, exr_bytes(light, seen))
+        asker = f"picture {path}"
+        self._saving[asker] = path
+        self.window.lane.ask(asker, partial(exr_bytes, light, seen), first=True)
+        self.window.statusBar().showMessage(f"Saving {path.name}…")
+
+    def _found(self, asker: str, content: Any) -> None:
+        path = self._saving.pop(asker, None)
+        if path is not None and self.window.attempt(partial(write_file, path, content)):
+            self.window.say(f"written: {path}")
+
+    def _failed(self, asker: str, sentence: str) -> None:
+        path = self._saving.pop(asker, None)
+        if path is not None:
+            self.window.say(f"{path}: {sentence}")
+
+    def _stopped(self) -> None:
+        for path in self.being_saved:
+            self.window.say(f"not written: {path}")
+        self._saving.clear()
 
     def _content(self, k: int) -> Any:
         content = self.window.viewports[k].content

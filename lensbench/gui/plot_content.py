@@ -33,11 +33,10 @@ class ProfileContent(Plot):
         if shown is None:
             return None
         lenses = (shown, *(entry.lens for entry in bench.lenses if entry.lens is not shown))
+        worn = tuple((lens, bench.worn_by(lens)) for lens in lenses)
         scene = bench.scene if bench.distance == "scene" else ""
         layer = ProfileLayer(bench.distance)
-        return (lenses, bench.active_wearer, layer, scene), partial(
-            _profiles, lenses, bench.active_wearer, layer, scene
-        )
+        return (worn, layer, scene), partial(_profiles, worn, layer, scene)
 
     def show_answer(self, answer: Profiles, bench: Workbench, pane: Pane) -> None:
         self.profiles = answer
@@ -124,8 +123,8 @@ class ProfileContent(Plot):
             x += width + 44
 
 
-def _profiles(lenses: tuple[Lens, ...], wearer: Wearer, layer: ProfileLayer, scene: str) -> Profiles:
-    return tuple((lens, answer_with_scene(lens, wearer, layer, scene)) for lens in lenses)
+def _profiles(worn: tuple[tuple[Lens, Wearer], ...], layer: ProfileLayer, scene: str) -> Profiles:
+    return tuple((lens, answer_with_scene(lens, wearer, layer, scene)) for lens, wearer in worn)
 
 
 class DistortionContent(Plot):
@@ -137,7 +136,8 @@ class DistortionContent(Plot):
         self.shown: tuple[Lens | None, DistortionGrid] | None = None
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        lens = bench.lens_of(pane)
+        wearer = bench.worn_by(lens)
         layer = DistortionLayer(np.inf if isinstance(bench.distance, str) else bench.distance)
         return (lens, wearer, layer), partial(answer_with_scene, lens, wearer, layer, "")
 

@@ -1,6 +1,8 @@
 """The table of reference points, the verification against the order, and what the probe reads."""
 
 import math
+from html import escape
+from typing import NamedTuple
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
@@ -16,6 +18,8 @@ from PySide6.QtWidgets import (
 
 from ..layers import PointReading, Probe
 from ..optics.conventions import Status, power_matrix
+from ..optics.eye import Wearer
+from ..optics.lens import Lens
 from ..optics.tolerances import ToleranceLine, Verification
 from ..report.facts import prescription_text
 from ..report.verification import row_of, sentences
@@ -107,6 +111,17 @@ def _tolerance_row(line: ToleranceLine) -> list[str]:
     return [f"{name} ({unit})", expected, measured, deviation, f"± {tolerance}", verdict]
 
 
+class Reading(NamedTuple):
+    """A gaze through a lens as it is worn; label, unit, value: of the map's quantity where one points at a map."""
+
+    lens: Lens
+    wearer: Wearer
+    probe: Probe
+    label: str = ""
+    unit: str = ""
+    value: float = math.nan
+
+
 class ProbePanel(QWidget):
     """What is read where the pointer is."""
 
@@ -116,22 +131,26 @@ class ProbePanel(QWidget):
         layout = QVBoxLayout(self)
         layout.addWidget(self.text)
         layout.addStretch(1)
-        self.show_probe(None)
+        self.show_reading(None)
 
-    def show_probe(self, probe: Probe | None) -> None:
+    def show_reading(self, reading: Reading | None) -> None:
         """Show readings."""
-        self.text.setText("Point at a lens or at the view." if probe is None else probe_text(probe))
+        self.text.setText("Point at a lens or at the view." if reading is None else reading_text(reading))
 
 
-def probe_text(p: Probe) -> str:
+def reading_text(reading: Reading) -> str:
     """The readings of a gaze as a small table in HTML."""
-    rows = [
+    p = reading.probe
+    rows = [("Lens", escape(reading.lens.name)), ("Wearer", escape(reading.wearer.name or "unnamed"))]
+    if p.status != Status.OK:
+        return _table([*rows, ("No ray", Status(p.status).name.lower().replace("_", " "))])
+    if reading.label:
+        value = f"{reading.value:.2f} {reading.unit}" if math.isfinite(reading.value) else "no value"
+        rows.append((escape(reading.label), value))
+    rows += [
         ("Gaze left, up", f"{p.azimuth:.1f}°, {p.elevation:.1f}°"),
         ("Lens x, y", f"{p.point[0]:.1f}, {p.point[1]:.1f} mm"),
     ]
-    if p.status != Status.OK:
-        reason = Status(p.status).name.lower().replace("_", " ")
-        return _table([("No ray", reason)])
     if math.isinf(p.distance):
         rows.append(("Object", "at infinity"))
     else:

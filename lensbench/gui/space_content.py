@@ -89,11 +89,10 @@ class LensContent(SpaceContent):
         if question is None:
             return None
         key, found = question
-        return key, partial(_in_space, found, bench.active_wearer)
+        return key, partial(_in_space, found)
 
     def show_answer(self, answer: tuple[BandedMap, LensMesh, list[Actor]], bench: Workbench, pane: Pane) -> None:
-        (lens, lens_map, bands, _), mesh, actors = answer
-        wearer = bench.active_wearer
+        (lens, wearer, lens_map, bands, _), mesh, actors = answer
         self._lens = lens, wearer, mesh
 
         def put(plotter: Any) -> None:
@@ -136,10 +135,10 @@ class LensContent(SpaceContent):
             self.pointed.emit((float(x), float(y)), None)
 
 
-def _in_space(found: Callable[[], BandedMap], wearer: Wearer) -> tuple[BandedMap, LensMesh, list[Actor]]:
+def _in_space(found: Callable[[], BandedMap]) -> tuple[BandedMap, LensMesh, list[Actor]]:
     banded = found()
-    mesh = lens_mesh(banded.lens, wearer.wear, RINGS, AROUND)
-    return banded, mesh, lens_actors(banded.lens, wearer, mesh, (banded.lens_map, banded.bands))
+    mesh = lens_mesh(banded.lens, banded.wearer.wear, RINGS, AROUND)
+    return banded, mesh, lens_actors(banded.lens, banded.wearer, mesh, (banded.lens_map, banded.bands))
 
 
 class EllipsesContent(SpaceContent):
@@ -151,12 +150,14 @@ class EllipsesContent(SpaceContent):
         self._sights: tuple[Wearer, Floats] | None = None
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        lens = bench.lens_of(pane)
+        wearer = bench.worn_by(lens)
         layer = EllipseLayer(bench.depths, 20, accommodation=bench.accommodation)
         return (lens, wearer, layer, pane), partial(answer_with_scene, lens, wearer, layer, "")
 
     def show_answer(self, answer: tuple[EllipseSheet, ...], bench: Workbench, pane: Pane) -> None:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        lens = bench.lens_of(pane)
+        wearer = bench.worn_by(lens)
         bands = ellipse_bands(answer, wearer)
         sheets = [(sheet, fitting_exaggeration(sheet)) for sheet in answer]
 

@@ -28,13 +28,13 @@ class TableTree(QTreeWidget):
 
     def show_bench(self, old: Workbench | None, new: Workbench) -> None:
         """Show what lies on the table."""
-        parts = ("lenses", "wearers", "scene", "lens", "wearer")
+        parts = ("lenses", "wearers", "scene", "lens", "wearer", "as_ordered")
         if old is not None and all(getattr(old, part) is getattr(new, part) for part in parts):
             return
         self.clear()
         scenes = list(dict.fromkeys([*SCENES, new.scene]))
         wearers = [
-            (f"{wearer.name or 'unnamed'}: {prescription_text(wearer.eye.refraction)} D", k == new.wearer)
+            (f"{wearer.name or 'unnamed'}: {_refraction(new, k)}", k == new.wearer)
             for k, wearer in enumerate(new.wearers)
         ]
         self._group(
@@ -65,3 +65,9 @@ class TableTree(QTreeWidget):
         kind, value = item.data(0, ROLE) or ("", None)
         if kind and getattr(self.document.workbench, kind) != value:
             self.document.edit(f"Another {kind}", lambda bench: replace(bench, **{kind: value}))
+
+
+def _refraction(bench: Workbench, k: int) -> str:
+    if k == bench.as_ordered:
+        return "for each lens its own refraction"
+    return f"{prescription_text(bench.wearers[k].eye.refraction)} D"

@@ -47,9 +47,10 @@ class ViewContent(Content):
         self._rest.timeout.connect(self._refine)
 
     def question(self, bench: Workbench, pane: Pane) -> Any:
-        lens, wearer = bench.lens_of(pane), bench.active_wearer
+        lens = bench.lens_of(pane)
         if lens is None:
             return None
+        wearer = bench.worn_by(lens)
         layer = ViewLayer(
             pane.eye,
             *np.radians([pane.azimuth, pane.elevation, pane.width / 2]).tolist(),

@@ -1,6 +1,5 @@
 """A viewport: a header that says and chooses what is shown, and the content, asked of the lane when what it shows changed."""
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -22,7 +21,9 @@ from PySide6.QtWidgets import (
 from ..layers import EYES, Probe
 from ..optics.gaze import angles_from_direction
 from ..quantities import QUANTITIES
-from ..session import KINDS, Workbench
+from ..report.facts import misfit
+from ..session import KINDS, Pane, Workbench
+from .asker import Asker
 from .conoid_content import ConoidContent
 from .content import Content
 from .document import Document
@@ -61,10 +62,11 @@ class Viewport(QFrame):
 
     def __init__(self, document: Document, lane: Lane, k: int) -> None:
         super().__init__()
-        self.document, self.lane, self.k, self.asker = document, lane, k, f"viewport {k + 1}"
+        self.document, self.lane, self.k = document, lane, k
+        self.asker = Asker(self, lane, f"viewport {k + 1}")
+        self.state = self.asker.mark
         self.content: Content | None = None
         self.answered = False
-        self._asked: tuple[Any, ...] | None = None
         self._own_actions: list[QAction] = []
         self.setFrameShape(QFrame.Shape.StyledPanel)
         self._build_header()
@@ -74,9 +76,12 @@ class Viewport(QFrame):
         layout = QVBoxLayout(self, spacing=0)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addLayout(self._header)
+        self.misfit = QLabel(visible=False, wordWrap=True, margin=3)
+        self.misfit.setStyleSheet("background: #fbe3b8; color: #5a3b00")
+        layout.addWidget(self.misfit)
         layout.addLayout(self._stack, 1)
-        lane.answered.connect(self._answered)
-        lane.failed.connect(self._failed)
+        self.asker.answered.connect(self._answered)
+        self.asker.failed.connect(self.said)
         document.changed.connect(self.show_bench)
 
     def _build_header(self) -> None:
@@ -86,7 +91,6 @@ class Viewport(QFrame):
                 box.addItem(name, key)
         for key, quantity in QUANTITIES.items():
             self.quantity.addItem(quantity.label, key)
-        self.state = QLabel()
         self.menu = QToolButton(text="⋯", popupMode=QToolButton.ToolButtonPopupMode.InstantPopup, autoRaise=True)
         self.menu.setMenu(QMenu(self))
         self.menu.setToolTip("Colour scale, save, copy")
@@ -169,18 +173,21 @@ class Viewport(QFrame):
             self._show_choice(new)
         if self.content is None:
             return
+        self._say_misfit(new)
         question = self.content.question(new, pane)
         self._stack.setCurrentWidget(self._empty if question is None else self.content)
         if question is None:
-            self.lane.drop(self.asker)
-            self._asked = None
-            return
-        key, found = question
-        if key == self._asked:
-            return
-        self._asked = key
-        self._mark_stale(True)
-        self.lane.ask(self.asker, partial(_with_question, found, (self.content, key, new, pane)))
+            self.asker.forget()
+        else:
+            self.asker.ask(*question, (self.content, new, pane))
+
+    def _say_misfit(self, bench: Workbench) -> None:
+        """Whether a lens is shown for a wearer whom it was not ordered for."""
+        pane = bench.panes[self.k]
+        shown = [lens for lens in (bench.lens_of(pane), bench.lens_less(pane)) if lens is not None]
+        sentences = [misfit(lens, bench.worn_by(lens)) for lens in shown]
+        self.misfit.setText(" ".join(filter(None, sentences)))
+        self.misfit.setVisible(any(sentences))
 
     def show_probe(self, probe: Probe | None) -> None:
         """Mark a gaze."""
@@ -207,7 +214,8 @@ class Viewport(QFrame):
             self.content.close_stage()
             self._stack.removeWidget(self.content)
             self.content.deleteLater()
-        self.content, self._asked, self.answered = content, None, False
+        self.asker.forget()
+        self.content, self.answered = content, False
         self._stack.addWidget(content)
         content.pointed.connect(self.pointed)
         content.wants_edit.connect(self._edit)
@@ -225,33 +233,15 @@ class Viewport(QFrame):
         else:
             self.document.rest()
 
-    def _answered(self, asker: str, answer: Any) -> None:
-        if asker != self.asker:
-            return
-        (content, key, bench, pane), found = answer
+    def _answered(self, found: Any, context: tuple[Content, Workbench, Pane]) -> None:
+        content, bench, pane = context
         if content is not self.content:
             return
-        self._mark_stale(key != self._asked)
         try:
             content.show_answer(found, bench, pane)
             self.answered = True
         except Exception as error:
-            self._failed(asker, str(error))
-
-    def _failed(self, asker: str, sentence: str) -> None:
-        if asker == self.asker:
-            self.state.setText("⚠")
-            self.state.setToolTip(sentence)
-            self.said.emit(sentence)
-
-    def _mark_stale(self, stale: bool) -> None:
-        self.state.setText("<span style='color:#d98200'>● updating</span>" if stale else "")
-        self.state.setToolTip("The picture is older than the settings; the new one is being computed" if stale else "")
-
-
-def _with_question(found: Callable[[], Any], question: tuple[Any, ...]) -> tuple[tuple[Any, ...], Any]:
-    """An answer with what it answers."""
-    return question, found()
+            self.asker.fail(str(error))
 
 
 def grid(viewports: list[Viewport], split: int) -> QWidget:

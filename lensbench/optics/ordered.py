@@ -1,6 +1,7 @@
 """The wearer whom an order suggests, for when nothing else is known of the eye or another eye would mislead."""
 
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -18,6 +19,14 @@ def wearer_as_ordered(order: Order, wear: Wear = AVERAGE_WEAR, name: str = "") -
     """
     accommodation = max(0.0, 2 * (2.5 - order.addition))
     return Wearer(Eye(order.power(), wear.vertex_distance, accommodation, PUPIL), wear, name)
+
+
+@lru_cache(maxsize=64)
+def wearer_for(wearer: Wearer, order: Order) -> Wearer:
+    """The wearer with the refraction and the accommodation that an order suggests, all else as it is; one object each."""
+    suggested = wearer_as_ordered(order).eye
+    eye = replace(wearer.eye, refraction=suggested.refraction, accommodation=suggested.accommodation)
+    return replace(wearer, eye=eye)
 
 
 def refracted_as_ordered(wearer: Wearer, order: Order | None) -> Wearer:

@@ -83,8 +83,8 @@ def misfit(lens: Lens, wearer: Wearer) -> str:
     if max(abs(mean_power(gap)), astigmatism(gap)) <= 0.25:
         return ""
     return (
-        f"The lens was ordered as {prescription_text(lens.ordered.power())} D, but this wearer's prescription at its vertex "
-        f"is {prescription_text(wearer.prescription)} D: the errors below contain the difference."
+        f"{lens.name} was ordered as {prescription_text(lens.ordered.power())} D, but this wearer's prescription at its vertex "
+        f"is {prescription_text(wearer.prescription)} D."
     )
 
 

@@ -38,10 +38,13 @@ def window(qtbot, settings, sphere):
     window = MainWindow(settings)
     qtbot.addWidget(window, before_close_func=lambda window: window.document.saved())
     window.resize(1000, 700)
-    window.lane.drop()
+    window.lane.stop()
     window.document.open(sphere)
     window.show()
-    return window
+    yield window
+    window.document.saved()
+    window.close()
+    window.lane.wait()
 
 
 @pytest.fixture

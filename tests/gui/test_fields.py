@@ -92,3 +92,21 @@ def test_without_a_lens_its_fields_do_nothing():
         assert field.write(bare, field.high) is bare
         assert np.isfinite(field.read(bare))
     assert with_material(bare, "MR-8") is bare
+
+
+@pytest.mark.parametrize(
+    ("fields", "name", "follows"),
+    [
+        (WEAR, "Vertex distance", True), (EYE, "Pupil", True), (REFRACTION, "Sphere", False), (EYE, "Age", False),
+        (EYE, "Accommodation", False),
+    ],
+)  # fmt: skip
+def test_who_is_edited_himself_no_longer_follows_the_orders(sphere, fields, name, follows):
+    bench = sphere.with_lens(sphere.lenses[0].path.with_name("sphere_plus_4_R.toml"))
+    field = named(fields, name)
+    written = field.write(bench, 6.0)
+    means = [np.trace(written.worn_by(entry.lens).eye.refraction) / 2 for entry in written.lenses]
+    assert (means == pytest.approx([-4.0, 4.0])) is follows
+    assert (written.active_wearer.name == "as ordered") is follows
+    for entry in written.lenses:
+        assert field.read(replace(written, lens=written.lenses.index(entry))) == 6.0

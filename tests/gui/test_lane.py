@@ -1,4 +1,4 @@
-"""The lane: one thread, of what waits the newest question of each asker wins, errors are sentences, closing waits."""
+"""The lane: one thread, of what waits the newest question of each asker wins, errors are sentences, closing does not wait."""
 
 import math
 import threading
@@ -17,6 +17,7 @@ def lane(qtbot):
     lane.failed.connect(lambda asker, sentence: lane.heard.append((asker, sentence)))
     yield lane
     lane.close()
+    lane.wait()
 
 
 def held(lane, gate, asker="map"):
@@ -81,7 +82,8 @@ def test_dropped_questions_stay_unanswered(lane, qtbot):
     gate = threading.Event()
     held(lane, gate)
     lane.ask("profile", lambda: "profile")
-    lane.drop()
+    with qtbot.waitSignal(lane.stopped):
+        lane.stop()
     with qtbot.waitSignal(lane.idle, timeout=10000):
         gate.set()
     assert lane.heard == []
@@ -95,7 +97,11 @@ def test_errors_are_one_sentence(lane, qtbot):
         lane.ask("map", lambda: wrong(InputError("lens.toml: radius: must not be 0")))
     with qtbot.waitSignal(lane.idle, timeout=10000):
         lane.ask("map", lambda: wrong(ZeroDivisionError("oh")))
-    assert lane.heard == [("map", "lens.toml: radius: must not be 0"), ("map", "ZeroDivisionError: oh")]
+    with qtbot.waitSignal(lane.idle, timeout=10000):
+        lane.ask("map", lambda: wrong(SystemExit("gone")))
+    assert lane.heard == [
+        ("map", "lens.toml: radius: must not be 0"), ("map", "ZeroDivisionError: oh"), ("map", "SystemExit: gone"),
+    ]  # fmt: skip
 
 
 def test_all_is_computed_in_one_thread_that_is_not_ours(lane, qtbot):
@@ -107,15 +113,44 @@ def test_all_is_computed_in_one_thread_that_is_not_ours(lane, qtbot):
     assert threads[0] != threading.get_ident()
 
 
-def test_closing_while_computing_waits_and_says_nothing(qtbot):
+def test_closing_while_computing_does_not_wait_and_says_nothing(qtbot):
     lane, gate, heard = Lane(), threading.Event(), []
     lane.answered.connect(lambda *answer: heard.append(answer))
     held(lane, gate)
-    lane.ask("map", lambda: "later")
-    threading.Timer(0.1, gate.set).start()
+    lane.ask("map", lambda: heard.append("later"))
     lane.close()
+    assert not gate.is_set()
+    gate.set()
+    lane.wait()
     qtbot.wait(50)
     assert heard == []
+
+
+def test_a_lane_that_is_gone_may_still_be_computing(qtbot, recwarn):
+    lane, gate = Lane(), threading.Event()
+    held(lane, gate)
+    lane.close()
+    thread = lane._thread
+    lane.deleteLater()
+    del lane
+    qtbot.wait(20)
+    gate.set()
+    thread.join(10)
+    assert not thread.is_alive()
+    assert not [w for w in recwarn if "thread" in str(w.message).lower()]
+
+
+def test_two_lanes_never_compute_at_the_same_time(lane, qtbot):
+    """Kernels in parallel from two threads end the process under numba's workqueue layer."""
+    other, gate, second = Lane(), threading.Event(), threading.Event()
+    held(other, gate)
+    other.close()
+    lane.ask("map", lambda: second.set())
+    qtbot.wait(100)
+    assert not second.is_set()
+    gate.set()
+    assert second.wait(10)
+    other.wait()
 
 
 def test_refinement_stands_back_while_others_wait_and_while_an_answer_is_drawn(lane, qtbot):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, Qt
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QApplication, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox
 
 from lensbench.compare import difference
 from lensbench.gui.main_window import MainWindow
@@ -33,10 +33,10 @@ def test_an_opened_lens_is_shown_and_read(ready, settle, open_files):
     names = ready.table.tree.findItems(bench.active_lens.name, Qt.MatchFlag.MatchContains | Qt.MatchFlag.MatchRecursive)
     assert len(names) == 1
     readings = run(Request(bench.active_lens, bench.active_wearer, PointsLayer()))
-    assert [ready.points.item(k, 0).text() for k in range(ready.points.rowCount())] == [
+    assert [ready.readings.points.item(k, 0).text() for k in range(ready.readings.points.rowCount())] == [
         reading.name.replace("_", " ") for reading in readings
     ]
-    assert ready.tolerances.table.rowCount() > 0
+    assert ready.readings.tolerances.table.rowCount() > 0
     shown = ready.viewports[0].content.drawn.banded.lens_map
     alone = run(
         Request(bench.active_lens, bench.active_wearer, MapLayer("mean_power", bench.distance, samples=MAP_SAMPLES))
@@ -89,7 +89,7 @@ def test_a_probe_is_marked_in_every_view(window, settle, qtbot, mouse):
     assert probe.point == pytest.approx((5.0, -7.0), abs=0.2)
     alone = run(Request(bench.active_lens, bench.active_wearer, ProbeLayer(probe.point, None, bench.distance)))
     assert alone.mean_power == pytest.approx(probe.mean_power, abs=1e-9)
-    assert f"{probe.mean_power:+.2f} D" in window.probe_panel.text.text()
+    assert f"{probe.mean_power:+.2f} D" in window.readings.probe_panel.text.text()
     map_, lens, profile, view = (viewport.content for viewport in window.viewports)
     assert map_.marked == pytest.approx(probe.point)
     np.testing.assert_array_equal(lens.stage.mark, probe.exit)
@@ -154,7 +154,9 @@ def test_a_session_is_saved_and_restored_whole(ready, tmp_path, settings, qtbot,
     ready.document.edit(
         "Panes", lambda bench: replace(bench.with_pane(0, low=-6.0, high=0.0, step=0.5), distance=400.0)
     )
-    table = next(dock for dock in ready.findChildren(type(ready.probe_panel.parent())) if dock.objectName() == "Table")
+    table = next(
+        dock for dock in ready.findChildren(type(ready.readings.probe_panel.parent())) if dock.objectName() == "Table"
+    )
     table.hide()
     assert ready.files.save(path)
     assert not ready.document.modified
@@ -186,6 +188,48 @@ def test_a_folder_that_is_not_there_keeps_the_session_unsaved(ready, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("answer", "closes"), [("Save", True), ("Save nowhere", False), ("Discard", True), ("Cancel", False)]
+)
+def test_closing_asks_about_a_session_that_has_no_name(ready, tmp_path, monkeypatch, answer, closes):
+    path = tmp_path / "a.lensbench.json"
+    ready.document.edit("Distance", lambda bench: replace(bench, distance=400.0))
+    assert ready.files.session is None
+    asked = []
+    answer, *nowhere = answer.split()
+    monkeypatch.setattr(
+        QMessageBox, "question", lambda *_: asked.append(1) or getattr(QMessageBox.StandardButton, answer)
+    )
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: ("" if nowhere else str(path), ""))
+    assert ready.close() is closes
+    assert asked == [1]
+    assert path.exists() is (answer == "Save" and closes)
+
+
+def test_files_on_an_empty_table_are_no_edit_yet(qtbot, settings, open_files, monkeypatch):
+    """As `lensbench gui LENS WEARER` opens them; what is opened after an edit is one."""
+    window = MainWindow(settings)
+    qtbot.addWidget(window, before_close_func=lambda window: window.document.saved())
+    window.show()
+    asked = []
+    monkeypatch.setattr(QMessageBox, "question", lambda *_: asked.append(1) or QMessageBox.StandardButton.Cancel)
+    open_files(window, [PLUS, WEARER])
+    assert len(window.document.workbench.lenses) == 1
+    assert not window.isWindowModified()
+    window.document.edit("Distance", lambda bench: replace(bench, distance=400.0))
+    open_files(window, [PLUS])
+    assert window.isWindowModified()
+    assert not window.close()
+    assert asked == [1]
+    while window.document.undo_name:
+        window.document.undo()
+    window.document.redo()
+    window.document.redo()
+    assert not window.isWindowModified()
+    assert window.close()
+    window.lane.wait()
+
+
+@pytest.mark.parametrize(
     ("answer", "closes", "written"),
     [("Save", True, True), ("Discard", True, False), ("Cancel", False, False)],
 )
@@ -199,13 +243,20 @@ def test_closing_asks_about_changes_of_a_saved_session(ready, tmp_path, monkeypa
     assert (path.read_text() != before) is written
 
 
-def test_closing_while_computing_ends_the_thread(ready):
-    begun, thread = threading.Event(), ready.lane._thread
-    ready.lane.ask("held", lambda: begun.set() or time.sleep(0.2))
+def test_closing_does_not_wait_for_what_is_computed(ready):
+    """As for kernels that are being compiled."""
+    begun, gate, thread = threading.Event(), threading.Event(), ready.lane._thread
+    ready.lane.ask("held", lambda: begun.set() or gate.wait(20))
     ready.document.edit("Distance", lambda bench: replace(bench, distance=300.0))
     ready.document.saved()
     assert begun.wait(10)
-    ready.close()
+    start = time.monotonic()
+    assert ready.close()
+    assert time.monotonic() - start < 5
+    assert not ready.isVisible()
+    assert thread.is_alive()
+    gate.set()
+    thread.join(10)
     assert not thread.is_alive()
 
 

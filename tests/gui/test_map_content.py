@@ -69,7 +69,7 @@ def shown(qtbot, sphere, lens_map, pane=PANE, lens=None):
     content.resize(500, 460)
     content.show()
     limits = None if pane.low is None else (pane.low, pane.high)
-    banded = BandedMap(lens, lens_map, map_bands(lens, lens_map, pane.step, limits), limits)
+    banded = BandedMap(lens, sphere.active_wearer, lens_map, map_bands(lens, lens_map, pane.step, limits), limits)
     content.show_answer(_prepared(lambda: banded), sphere, pane)
     qtbot.wait(20)
     return content

@@ -9,7 +9,7 @@ import pytest
 from lensbench.gui.document import Document
 from lensbench.gui.fields import EYE, REFRACTION
 from lensbench.gui.form import Form
-from lensbench.gui.readings_panel import PointsTable, ProbePanel, TolerancePanel
+from lensbench.gui.readings_panel import PointsTable, ProbePanel, Reading, TolerancePanel
 from lensbench.gui.table_tree import ROLE, TableTree
 from lensbench.layers import PointsLayer, ProbeLayer, Request, VerificationLayer
 from lensbench.optics.conventions import Status
@@ -158,7 +158,8 @@ def test_the_probe_says_what_run_says(qtbot, sphere):
     probe = run(Request(sphere.active_lens, sphere.active_wearer, ProbeLayer((6.0, -9.0), None, 400.0)))
     panel = ProbePanel()
     qtbot.addWidget(panel)
-    panel.show_probe(probe)
+    lens, wearer = replace(sphere.active_lens, name="<sphere>"), sphere.active_wearer
+    panel.show_reading(Reading(lens, wearer, probe))
     text = panel.text.text()
     for part in (
         f"{probe.azimuth:.1f}°, {probe.elevation:.1f}°", "6.0, -9.0 mm", "40.0 cm", f"{probe.mean_power:+.2f} D",
@@ -166,8 +167,13 @@ def test_the_probe_says_what_run_says(qtbot, sphere):
         f"{probe.prism:.2f} cm/m", f"{probe.defocus:.1f}′",
     ):  # fmt: skip
         assert part in text
-    panel.show_probe(replace(probe, status=int(Status.OUTSIDE_OUTLINE)))
+    assert "&lt;sphere&gt;" in text
+    assert wearer.name in text
+    panel.show_reading(Reading(lens, wearer, probe, "Swim", "%/deg", 1.234))
+    assert "Swim</td><td><b>1.23 %/deg" in panel.text.text()
+    panel.show_reading(Reading(lens, wearer, replace(probe, status=int(Status.OUTSIDE_OUTLINE))))
+    assert "&lt;sphere&gt;" in panel.text.text()
     assert "outside outline" in panel.text.text()
     assert "cm/m" not in panel.text.text()
-    panel.show_probe(None)
+    panel.show_reading(None)
     assert "Point at" in panel.text.text()

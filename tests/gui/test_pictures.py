@@ -1,5 +1,6 @@
 """What can be done with a picture: its scale, the clipboard, files."""
 
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -94,9 +95,27 @@ def test_views_are_saved_with_their_channels(ready, settle, tmp_path, qtbot):
     with pytest.raises(InputError, match="in lines"):
         ready.pictures.save(0, tmp_path / "a.svg")
     qtbot.waitUntil(lambda: content.passes >= 3, timeout=20000)
+    size = content.seen.layer.size
     ready.pictures.save(0, tmp_path / "a.exr")
+    assert not ready.close(), "before the file is written"
+    qtbot.waitUntil(lambda: not ready.pictures.being_saved, timeout=60000)
+    assert ready.log.toPlainText().endswith(f"written: {tmp_path / 'a.exr'}")
     with exr.File(str(tmp_path / "a.exr")) as file:
         pixels = file.parts[0].channels
         assert len(file.parts) > 1
         name = next(iter(pixels))
-        assert pixels[name].pixels.shape[1::-1] == content.seen.layer.size
+        assert pixels[name].pixels.shape[1::-1] == size
+
+
+def test_a_view_that_is_given_up_is_not_written(ready, settle, tmp_path, qtbot):
+    ready.document.edit("View", lambda bench: replace(bench.with_pane(0, kind="view"), split=1))
+    settle(ready)
+    gate = threading.Event()
+    ready.lane.ask("held", lambda: gate.wait(20))
+    ready.pictures.save(0, tmp_path / "a.exr")
+    ready.stop()
+    assert f"not written: {tmp_path / 'a.exr'}" in ready.log.toPlainText()
+    assert not ready.pictures.being_saved
+    gate.set()
+    qtbot.waitUntil(lambda: not ready.lane.busy, timeout=60000)
+    assert not (tmp_path / "a.exr").exists()

@@ -38,6 +38,7 @@ def one_round(qapp, tmp_path):
         alive += [weakref.ref(window), weakref.ref(window.viewports[0]), weakref.ref(window.lane._thread)]
         window.document.saved()
         assert window.close()
+        window.lane.wait()
         window.deleteLater()
         qapp.sendPostedEvents(None, QEvent.Type.DeferredDelete)
         qapp.processEvents()

@@ -18,6 +18,7 @@ class HeldLane(QObject):
 
     answered = Signal(str, object)
     failed = Signal(str, str)
+    stopped = Signal()
 
     def __init__(self):
         super().__init__()
@@ -158,8 +159,8 @@ def test_a_failure_is_marked_and_said_and_the_old_picture_stays(viewport, docume
 def test_an_answer_that_cannot_be_drawn_is_a_failure(viewport, lane):
     heard = []
     viewport.said.connect(heard.append)
-    question, _ = lane.questions[-1]()
-    lane.answered.emit("viewport 1", (question, None))
+    key, context, _ = lane.questions[-1]()
+    lane.answered.emit("viewport 1", (key, context, None))
     assert "⚠" in viewport.state.text()
     assert len(heard) == 1
 
