@@ -72,8 +72,8 @@ class RealRaysLayer:
 
 @dataclass(frozen=True, slots=True)
 class DistortionLayer:
-    """A flat chart of `lines` upright lines each way, straight ahead, `depth` mm before the back vertex (inf: far away), up
-    to half_angle (rad) from straight ahead at the centre of rotation; `fineness` points from line to line.
+    """A flat chart of `lines` upright lines each way, straight ahead, `depth` mm before the cornea (inf: far away), up to
+    half_angle (rad) from straight ahead at the centre of rotation; `fineness` points from line to line.
     """
 
     depth: float = np.inf
@@ -84,7 +84,7 @@ class DistortionLayer:
 
 @dataclass(frozen=True, slots=True)
 class EllipseLayer:
-    """Ellipses of confusion on planes straight ahead, at depths (mm) from the back vertex, on an n x n gaze grid."""
+    """Ellipses of confusion on planes straight ahead, at depths (mm) from the cornea, on an n x n gaze grid."""
 
     depths: tuple[float, ...] = (270.0, 780.0, 3400.0)
     n: int = 32
@@ -106,7 +106,7 @@ class ConoidLayer:
 class VoxelLayer:
     """Blur matrices in the voxels of a view frustum: nx x ny gazes, nz planes equally spaced in NDC depth.
 
-    near, far: mm ahead of the centre of rotation. half_angle: rad. exaggeration: of all matrices. ndc:
+    near, far: depths, mm from the cornea. half_angle: at the centre of rotation, rad. exaggeration: of all matrices. ndc:
     also in the picture's own units. Kakimoto, Tatsukawa & Nishita 2010.
     """
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from .optics.bundle import Wavefront
 from .optics.chromatic import transverse_chromatic_aberration
-from .optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
+from .optics.conventions import Floats, Status, astigmatism, mean_power, sphere_cylinder_axis
 from .optics.distortion import anisotropy, area_magnification, rotation, skew, swim
 from .optics.field import Accommodation, GazeField
 from .optics.gaze import worn_pose
@@ -20,13 +20,15 @@ from .optics.lensmeter import VertexPower, back_vertex_power, surface_power
 class Quantity:
     """label and unit for the reader; values (n,) from a gaze field, the object distance and the accommodation rule.
 
-    about: said of a map instead of the object distance, where that does not matter.
+    about: said of a map instead of the object distance, where that does not matter. missing: why a ray that passes may
+    have no value.
     """
 
     label: str
     unit: str
     values: Callable[[GazeField, Any, Accommodation], Floats]
     about: str = ""
+    missing: Status = Status.NO_VALUE
 
 
 _BY_LENSMETER = "back surface on the stop, axis along its normal"
@@ -66,19 +68,38 @@ QUANTITIES = {
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f), "along the lens's axis"),
     # by real rays through the whole pupil
     "defocus_by_real_rays": Quantity(
-        "Defocus 2|ε| by real rays", "arcmin", lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus()) * 60
+        "Defocus 2|ε| by real rays",
+        "arcmin",
+        lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus()) * 60,
+        missing=Status.BUNDLE_CUT,
     ),
     "defocus_left_out": Quantity(
         "Defocus 2|ε|, real rays less first order",
         "arcmin",
         lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus() - f.defocus(s, a)) * 60,
+        missing=Status.BUNDLE_CUT,
     ),
     "higher_order_rms": Quantity(
-        "Higher-order aberrations, rms", "µm", lambda f, s, a: _wavefront(f, s, a).higher_order_rms()
+        "Higher-order aberrations, rms",
+        "µm",
+        lambda f, s, a: _wavefront(f, s, a).higher_order_rms(),
+        missing=Status.BUNDLE_CUT,
     ),
-    "coma": Quantity("Coma, rms of both terms", "µm", lambda f, s, a: np.hypot(*_zernike(f, s, a)[:, 7:9].T)),
-    "trefoil": Quantity("Trefoil, rms of both terms", "µm", lambda f, s, a: np.hypot(*_zernike(f, s, a)[:, [6, 9]].T)),
-    "spherical_aberration": Quantity("Spherical aberration", "µm", lambda f, s, a: _zernike(f, s, a)[:, 12]),
+    "coma": Quantity(
+        "Coma, rms of both terms",
+        "µm",
+        lambda f, s, a: np.hypot(*_zernike(f, s, a)[:, 7:9].T),
+        missing=Status.BUNDLE_CUT,
+    ),
+    "trefoil": Quantity(
+        "Trefoil, rms of both terms",
+        "µm",
+        lambda f, s, a: np.hypot(*_zernike(f, s, a)[:, [6, 9]].T),
+        missing=Status.BUNDLE_CUT,
+    ),
+    "spherical_aberration": Quantity(
+        "Spherical aberration", "µm", lambda f, s, a: _zernike(f, s, a)[:, 12], missing=Status.BUNDLE_CUT
+    ),
     # by focimeter and of the surfaces: no eye, no position of wear, no object distance
     "lensmeter_mean_power": Quantity(
         "Lensmeter mean power", "D", lambda f, s, a: mean_power(_by_lensmeter(f).power), _BY_LENSMETER

@@ -118,7 +118,8 @@ class Workbench:
     """Everything on the table. lens, wearer: indices of the active ones. scene: a name or a file. split: viewports shown.
 
     as_ordered: index of the wearer who is, for each lens, of the refraction and accommodation for which it was ordered.
-    distance: of objects from the front surface, mm, inf, or "scene" or "model" as in MapLayer. depths: of the ellipses, mm.
+    distance: of objects from the front surface, mm, inf, or "scene" or "model" as in MapLayer. depths: of the ellipses, mm
+    from the cornea.
     head_turn, head_tilt: degrees, as in ViewLayer.
     """
 

@@ -132,14 +132,13 @@ def _moved(scene: Scene, x: float) -> Scene:
 def lens_map(layer: MapLayer, request: Request) -> LensMap:
     """A quantity over the front surface, within the outline."""
     lens, quantity = _needed_lens(request), _quantity(layer.quantity)
-    x, y, inside, field = _map_field(lens, *_geometry(request.wearer), layer.samples)
-    field = replace(field, wearer=request.wearer)
+    x, y, inside, field = sampled(lens, request.wearer, layer.samples)
     distance = _object_distance(layer.distance, field, request)
     values = np.full(inside.size, np.nan)
     values[inside] = np.where(field.status == Status.OK, quantity.values(field, distance, layer.accommodation), np.nan)
     status = np.full(inside.size, np.int8(Status.OUTSIDE_OUTLINE))
     status[inside] = field.status
-    status[np.isnan(values) & (status == Status.OK)] = Status.BUNDLE_CUT
+    status[np.isnan(values) & (status == Status.OK)] = quantity.missing
     shape = (y.size, x.size)
     return LensMap(layer.quantity, quantity.label, quantity.unit, x, y, values.reshape(shape), status.reshape(shape))
 
@@ -148,6 +147,13 @@ def _quantity(name: str) -> Quantity:
     if name not in QUANTITIES:
         raise InputError(f"unknown quantity {name!r}; there are {', '.join(QUANTITIES)}")
     return QUANTITIES[name]
+
+
+def sampled(lens: Lens, wearer: Wearer, samples: int) -> tuple[Floats, Floats, NDArray[np.bool_], GazeField]:
+    """Coordinates x (nx,), y (ny,) mm over the front surface, about `samples` along the longer side; which of the ny * nx
+    lie within the outline; and the field of the gazes through those. Raises InputError where no ray passes."""
+    x, y, inside, field = _map_field(lens, *_geometry(wearer), samples)
+    return x, y, inside, replace(field, wearer=wearer)
 
 
 def _geometry(wearer: Wearer) -> tuple[Wear, float, float]:
@@ -159,10 +165,8 @@ def _geometry(wearer: Wearer) -> tuple[Wear, float, float]:
 def _map_field(
     lens: Lens, wear: Wear, centre_of_rotation: float, entrance_pupil: float, samples: int
 ) -> tuple[Floats, Floats, NDArray[np.bool_], GazeField]:
-    """Sample coordinates x (nx,), y (ny,) over the lens, which samples lie inside, and the field through those.
-
-    Kept for the next map of the lens in this position of wear: all quantities, for any refraction, accommodation and
-    pupil, are algebra on one trace.
+    """As `sampled`, for any refraction, accommodation and pupil. Kept for the next map of the lens in this position of
+    wear: all quantities are algebra on one trace.
     """
     x, y = _square_samples(lens.outline, samples)
     px, py = (a.ravel() for a in np.meshgrid(x, y))
@@ -241,8 +245,7 @@ def verified(layer: VerificationLayer, request: Request) -> Verification | None:
 @_answer.register
 def real_ray_checks(layer: RealRaysLayer, request: Request) -> RealRays:
     """First order against real rays over the lens."""
-    _, _, _, field = _map_field(_needed_lens(request), *_geometry(request.wearer), layer.samples)
-    field = replace(field, wearer=request.wearer)
+    _, _, _, field = sampled(_needed_lens(request), request.wearer, layer.samples)
     return compare(field, layer, lambda distance, rays: _object_distance(distance, rays, request))
 
 
@@ -274,7 +277,7 @@ def ellipse_sheets(layer: EllipseLayer, request: Request) -> tuple[EllipseSheet,
 
 
 def _sheet(field: GazeField, depth: float, rule: Accommodation) -> EllipseSheet:
-    distance = distance_to_plane(field, depth)
+    distance = distance_to_plane(field, field.wearer.corneal_apex + depth)
     used = field.accommodation(distance, rule)
     blur = field.blur(distance, used)
     centre = field.origin + distance[:, None] * field.direction
@@ -301,16 +304,24 @@ def voxel_field(layer: VoxelLayer, request: Request) -> VoxelField:
     grid = GazeGrid(layer.nx, layer.ny, layer.half_angle, layer.half_angle)
     field = trace(request.lens, request.wearer, grid)
     _some_ray_passes(field)
-    share = np.linspace(0.0, 1.0, layer.nz)
-    depth = layer.near * layer.far / (layer.far - share * (layer.far - layer.near))
-    z = request.wearer.centre_of_rotation[2] + depth
-    blur = blur_on_planes(field, z, layer.accommodation)
+    depth = _ndc_planes(layer, request.wearer.eye.centre_of_rotation)
+    blur = blur_on_planes(field, request.wearer.corneal_apex + depth, layer.accommodation)
     if layer.exaggeration != 1:
         blur *= np.float32(layer.exaggeration)
     shape = 2, 2, *field.shape, depth.size
-    ndc = ndc_blur(field, z, blur, layer.half_angle).reshape(shape) if layer.ndc else None
+    ndc = (
+        ndc_blur(field, request.wearer.corneal_apex + depth, blur, layer.half_angle).reshape(shape)
+        if layer.ndc
+        else None
+    )
     u, v = grid.axes()
     return VoxelField(layer, u, v, depth, blur.reshape(shape), field.status.reshape(field.shape), ndc)
+
+
+def _ndc_planes(layer: VoxelLayer, camera: float) -> Floats:
+    """Depths (nz,) mm from the cornea, equally spaced in the NDC depth of a camera so many mm behind it."""
+    near, far = layer.near + camera, layer.far + camera
+    return near * far / (far - np.linspace(0.0, 1.0, layer.nz) * (far - near)) - camera
 
 
 @_answer.register

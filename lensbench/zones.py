@@ -1,20 +1,25 @@
 """Where a lens is usable: widths and areas of its zones, its unwanted astigmatism, and how soon the addition comes.
 
 A place belongs to a zone where the astigmatic error (as worn, against the order; without one against the wearer's
-prescription) is at most CLEAR and the share of the addition reached there lies in the zone's window. Source: Sheedy 2004;
-Sheedy, Hardy & Hayes 2006: their windows for an addition of 2 D (up to 0.25, 0.75 to 1.50, from 1.75 D) as shares of it.
+prescription) is at most CLEAR and the share of the addition reached there lies in the zone's window, each for objects where
+the wearer has them (OBJECTS). Source: Sheedy 2004; Sheedy, Hardy & Hayes 2006: their windows for an addition of 2 D (up to
+0.25, 0.75 to 1.50, from 1.75 D) as shares of it; the distances of the objects are ours.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from .layers import LensMap, MapLayer, Profile, ProfileLayer, Request
-from .optics.conventions import Floats
+from .layers import Profile, ProfileLayer, Request
+from .optics.conventions import Floats, Status, astigmatism, mean_power
 from .optics.eye import Wearer
+from .optics.field import GazeField
 from .optics.lens import Lens
+from .optics.object_distance import from_cornea, model_distance
 from .optics.ordered import refracted_as_ordered
-from .workbench import run
+from .workbench import run, sampled
 
 Window = tuple[float, float]
 
@@ -24,6 +29,11 @@ WINDOWS = {
     "intermediate": (3 / 8, 3 / 4),
     "near": (7 / 8, np.inf),
 }  # shares of the addition
+OBJECTS: dict[str, Callable[[GazeField], Any]] = {
+    "distance": lambda field: np.inf,
+    "intermediate": model_distance,
+    "near": lambda field: from_cornea(field, field.wearer.wear.near_distance),
+}  # distance along each outgoing ray, mm
 SINGLE_VISION = (-0.25, 0.25)  # D, where there is no addition
 REACHED = 0.85  # share of the addition that counts as reached
 ANY_POWER = (-np.inf, np.inf)
@@ -33,7 +43,9 @@ _FINE, _ASIDE = 0.02, 6.0  # mm: steps across a row; how far from the meridian t
 
 @dataclass(frozen=True, slots=True)
 class Zones:
-    """Measures of a lens as worn, objects at infinity; None where the lens has no addition or no near reference point.
+    """Measures of a lens as worn; None where the lens has no addition or no near reference point. Objects of the distance
+    zone are at infinity, those of the near zone at the wearer's near distance, those of the intermediate zone, the corridor
+    and the reach where the wearer's model has them for each gaze (optics.object_distance); most_astigmatism at infinity.
 
     Widths (mm) at the height of the fitting point (distance), half-way down to the near reference point (intermediate) and
     at the near reference point; areas (mm2) within the outline, seen along z. corridor_width: the narrowest clear width
@@ -92,35 +104,41 @@ class _Looked:
 def zones(lens: Lens, wearer: Wearer) -> Zones:
     """Measure the zones of a lens as this wearer wears it. Raises InputError when no ray passes."""
     wearer = refracted_as_ordered(wearer, lens.ordered)
-    power, error = (_map(lens, wearer, quantity) for quantity in ("mean_power", "astigmatic_error"))
-    profile = run(Request(lens, wearer, ProfileLayer(samples=SAMPLES)))
     fitting_y = lens.points.fitting_point[1]
     far_y = (lens.points.distance_reference_point or lens.points.fitting_point)[1]
-    looked = _Looked(power.x, power.y, power.values - _power_at(profile, far_y), error.values, profile)
-    worst = np.unravel_index(np.nanargmax(error.values), error.values.shape)
-    most = float(error.values[worst]), (float(error.x[worst[1]]), float(error.y[worst[0]]))
-    addition, near = lens.ordered.addition if lens.ordered else 0.0, lens.points.near_reference_point
-    if not addition or near is None:
-        return Zones(looked.width(fitting_y, SINGLE_VISION), looked.area(SINGLE_VISION), *most)
-    far, between, close = ((addition * low, addition * high) for low, high in WINDOWS.values())
-    narrowest, where = min((looked.width(y), y) for y in np.linspace(near[1], fitting_y, 33))
+    far_power = _power_at(run(Request(lens, wearer, ProfileLayer(samples=SAMPLES))), far_y)
+    profile: Profile = run(Request(lens, wearer, ProfileLayer("model", SAMPLES)))
+    far, between, near = (_looked(lens, wearer, zone, far_power, profile) for zone in OBJECTS)
+    worst = np.unravel_index(np.nanargmax(far.error), far.error.shape)
+    most = float(far.error[worst]), (float(far.x[worst[1]]), float(far.y[worst[0]]))
+    addition, point = lens.ordered.addition if lens.ordered else 0.0, lens.points.near_reference_point
+    if not addition or point is None:
+        return Zones(far.width(fitting_y, SINGLE_VISION), far.area(SINGLE_VISION), *most)
+    window = {zone: (addition * low, addition * high) for zone, (low, high) in WINDOWS.items()}
+    narrowest, where = min((between.width(y), y) for y in np.linspace(point[1], fitting_y, 33))
     return Zones(
-        looked.width(fitting_y, far),
-        looked.area(far),
+        far.width(fitting_y, window["distance"]),
+        far.area(window["distance"]),
         *most,
-        intermediate_width=looked.width((fitting_y + near[1]) / 2, between),
-        intermediate_area=looked.area(between),
-        near_width=looked.width(near[1], close),
-        near_area=looked.area(close),
+        intermediate_width=between.width((fitting_y + point[1]) / 2, window["intermediate"]),
+        intermediate_area=between.area(window["intermediate"]),
+        near_width=near.width(point[1], window["near"]),
+        near_area=near.area(window["near"]),
         corridor_width=narrowest,
         corridor_y=float(where),
-        reach_of_addition=_reach(profile, fitting_y, _power_at(profile, far_y) + REACHED * addition),
+        reach_of_addition=_reach(profile, fitting_y, far_power + REACHED * addition),
     )
 
 
-def _map(lens: Lens, wearer: Wearer, quantity: str) -> LensMap:
-    answer: LensMap = run(Request(lens, wearer, MapLayer(quantity, samples=SAMPLES)))
-    return answer
+def _looked(lens: Lens, wearer: Wearer, zone: str, far_power: float, profile: Profile) -> _Looked:
+    x, y, inside, field = sampled(lens, wearer, SAMPLES)
+    distance = OBJECTS[zone](field)
+    maps = np.full((2, inside.size), np.nan)
+    power = field.as_worn_matrix(distance)
+    found = np.stack([mean_power(power) - far_power, astigmatism(power - wearer.prescription)])
+    maps[:, inside] = np.where(field.status == Status.OK, found, np.nan)
+    gained, error = maps.reshape(2, y.size, x.size)
+    return _Looked(x, y, gained, error, profile)
 
 
 def _power_at(profile: Profile, y: float) -> float:

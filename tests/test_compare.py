@@ -8,14 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import lensbench as lb
 from lensbench.cli import main
 from lensbench.compare import MAPS, compare, difference
 from lensbench.errors import InputError
 from lensbench.layers import MapLayer, Profile, ProfileLayer, Request
+from lensbench.optics.conventions import astigmatism, mean_power
+from lensbench.optics.gaze import look_through
 from lensbench.optics.lens import circle_outline
-from lensbench.report.comparison import zones_csv
+from lensbench.report.comparison import measure_rows, zones_csv
 from lensbench.workbench import run
 from lensbench.zones import ANY_POWER, CLEAR, _Looked, zones
 
@@ -58,9 +61,9 @@ def test_windows_of_power_bound_width_and_area():
 
 def test_reach_of_the_addition_is_where_the_meridian_has_it(regular, wearer):
     found = zones(regular, wearer)
-    profile = run(Request(regular, wearer, ProfileLayer(samples=2001)))
+    far_profile, profile = (run(Request(regular, wearer, ProfileLayer(d, samples=2001))) for d in (np.inf, "model"))
     _, far_y = regular.points.distance_reference_point
-    far = np.interp(far_y, profile.y, profile.mean_power)
+    far = np.interp(far_y, far_profile.y, far_profile.mean_power)
     there = regular.points.fitting_point[1] - found.reach_of_addition
     assert np.interp(there, profile.y, profile.mean_power) - far == pytest.approx(0.85 * 2.0, abs=0.01)
 
@@ -71,6 +74,32 @@ def test_zones_keep_their_promises(wearer):
     assert far.distance_width > 2 * near.distance_width
     assert near.near_width > 5 * far.near_width
     assert soft.corridor_width > max(far.corridor_width, near.corridor_width)
+
+
+def test_the_near_zone_is_judged_where_the_wearer_reads(wearer):
+    """Its width: gazes along the row of the near reference point, for a point 40 cm from the cornea on each; and it is another
+    for far objects."""
+    lens = lb.load_lens(SAMPLES / FAR)
+    x0, y = lens.points.near_reference_point
+    x = np.arange(x0 - 8, x0 + 8, 0.02)
+    field = look_through(lens, wearer, x, np.full_like(x, y))
+    cornea = np.array([0.0, 0.0, -wearer.wear.vertex_distance])
+    distance = [brentq(lambda s, k=k: np.linalg.norm(field.origin[k] + s * field.direction[k] - cornea) - 400, 1, 900)
+                for k in range(x.size)]  # fmt: skip
+    power = field.as_worn_matrix(np.array(distance))
+    far = look_through(lens, wearer, *np.transpose([lens.points.distance_reference_point])).as_worn_matrix()
+    clear = astigmatism(power - wearer.prescription) <= CLEAR
+    clear &= mean_power(power) - mean_power(far[0]) >= 7 / 8 * lens.ordered.addition
+    assert zones(lens, wearer).near_width == pytest.approx(0.02 * clear.sum(), abs=0.15)
+    far_reader = replace(wearer, wear=replace(wearer.wear, near_distance=1e7))
+    assert zones(lens, far_reader).near_width < 0.5 * zones(lens, wearer).near_width
+
+
+def test_the_page_says_for_which_objects_each_measure_is_taken(regular, wearer):
+    design = compare([regular, regular], wearer, ())
+    reader = replace(wearer, wear=replace(wearer.wear, near_distance=330.0))
+    said = {row.label: row.value[0] for row in measure_rows(design, reader)}
+    assert (said["distance_width"], said["near_width"], said["intermediate_width"]) == ("∞", "33 cm", "by gaze")
 
 
 def test_a_lens_without_addition_has_a_distance_zone_only(wearer):

@@ -138,9 +138,9 @@ def test_exaggeration_is_stated_and_applied():
     outline = ellipses.ellipse_outlines(sheet, 5.0)
     np.testing.assert_allclose(np.abs(outline).max(axis=(0, 1)), [20, 10, 500])
     words = [t.get_text() for t in ellipses.ellipse_figure(a_lens(), WEARER, [sheet, sheet], 5.0).findobj(Text)]
-    assert words.count("50 cm, ellipses ×5") == 2
+    assert words.count("50 cm from the eye, ellipses ×5") == 2
     words = [t.get_text() for t in ellipses.ellipse_figure(a_lens(), WEARER, [sheet], 1.0).findobj(Text)]
-    assert "50 cm, true scale" in words
+    assert "50 cm from the eye, true scale" in words
 
 
 @pytest.mark.parametrize(("half", "factor"), [(4.0, 1.0), (0.9, 5.0), (0.02, 200.0), (40.0, 0.1), (0.0, 1.0)])

@@ -23,11 +23,12 @@ from lensbench.layers import (
 )
 from lensbench.optics import surfaces
 from lensbench.optics.conventions import Status, mean_power
+from lensbench.optics.field import ellipse
 from lensbench.optics.gaze import look_through
 from lensbench.optics.lens import Lens, Order, circle_outline
 from lensbench.optics.materials import MATERIALS
 from lensbench.optics.object_distance import model_distance, proximity
-from lensbench.quantities import QUANTITIES
+from lensbench.quantities import QUANTITIES, Quantity
 from lensbench.scenes.scene import Look, Part, Scene
 from lensbench.seen import seen_parts
 from lensbench.workbench import assumed_wearer, look, run
@@ -139,7 +140,7 @@ def test_profile_runs_from_the_lower_to_the_upper_edge(progressive, wearer):
 def test_ellipse_sheets_lie_on_their_planes(progressive, wearer):
     for sheet in run(Request(progressive, wearer, EllipseLayer(n=8))):
         ok = sheet.status == Status.OK
-        assert sheet.centre[ok, 2] == pytest.approx(sheet.depth, rel=1e-12)
+        assert sheet.centre[ok, 2] == pytest.approx(sheet.depth - wearer.wear.vertex_distance, rel=1e-12)
         area = np.pi * sheet.semi_major * sheet.semi_minor
         cross = np.linalg.norm(np.cross(sheet.spokes[..., 0], sheet.spokes[..., 1]), axis=1)
         assert area[ok] == pytest.approx(np.pi * cross[ok], rel=1e-9, abs=1e-12)
@@ -149,12 +150,40 @@ def test_voxels_are_columns_of_the_gaze_field(progressive, wearer):
     voxels = run(Request(progressive, wearer, VoxelLayer(5, 4, 6, 300.0, 5000.0)))
     assert voxels.blur.shape == (2, 2, 4, 5, 6)
     assert voxels.depth[[0, -1]] == pytest.approx([300.0, 5000.0])
-    ndc = (1 / 300 - 1 / voxels.depth) / (1 / 300 - 1 / 5000)
+    near, far, camera = (d + wearer.eye.centre_of_rotation for d in (300.0, 5000.0, voxels.depth))
+    ndc = (1 / near - 1 / camera) / (1 / near - 1 / far)
     assert np.diff(ndc) == pytest.approx(0.2)
     gaze = np.array([[voxels.u[3], voxels.v[1], 1.0]])
     field = lb.trace(progressive, wearer, gaze)
-    distance = (wearer.centre_of_rotation[2] + voxels.depth[2] - field.origin[0, 2]) / field.direction[0, 2]
+    distance = (voxels.depth[2] - wearer.wear.vertex_distance - field.origin[0, 2]) / field.direction[0, 2]
     assert voxels.blur[:, :, 1, 3, 2] == pytest.approx(field.blur(distance)[0], abs=1e-5)
+
+
+def test_one_origin_serves_every_depth(progressive, wearer):
+    """An ellipse and a voxel of the same gaze and depth are one."""
+    sheet = run(Request(progressive, wearer, EllipseLayer((400.0,), 5)))[0]
+    voxels = run(Request(progressive, wearer, VoxelLayer(5, 5, 2, 400.0, 900.0)))
+    assert ellipse(voxels.blur[:, :, 2, 2, 0].astype(float)).semi_major == pytest.approx(sheet.semi_major[12], rel=1e-5)
+
+
+@pytest.mark.parametrize("missing", [Status.NO_VALUE, Status.BUNDLE_CUT])
+def test_a_map_says_why_a_ray_that_passes_has_no_value(progressive, wearer, monkeypatch, missing):
+    half = Quantity("half", "D", lambda f, s, a: np.where(f.directions[:, 0] > 0, np.nan, 1.0), missing=missing)
+    monkeypatch.setitem(QUANTITIES, "half", half)
+    found = run(Request(progressive, wearer, MapLayer("half", samples=21)))
+    assert set(found.status[np.isnan(found.values)]) == {Status.OUTSIDE_OUTLINE, missing}
+
+
+def test_only_what_takes_the_whole_pupil_can_be_cut():
+    by_real_rays = {
+        "defocus_by_real_rays",
+        "defocus_left_out",
+        "higher_order_rms",
+        "coma",
+        "trefoil",
+        "spherical_aberration",
+    }
+    assert {name for name, q in QUANTITIES.items() if q.missing == Status.BUNDLE_CUT} == by_real_rays
 
 
 def test_view_meets_every_vertex_and_spreads_it_by_the_field(progressive, wearer):

@@ -73,7 +73,7 @@ def _add_distortion(verbs: Any) -> None:
         verbs, "distortion", write_distortion, "how the eye sees a chart of upright lines, as PNG, SVG, CSV or JSON"
     )
     lens_and_wearer(verb)
-    verb.add_argument("-d", "--depth", type=distance, help="of the chart before the lens: 40cm or inf (inf)")
+    verb.add_argument("-d", "--depth", type=distance, help="of the chart, from the eye: 40cm or inf (inf)")
     unsaid(verb, depth=math.inf)
     verb.add_argument("-n", type=count, default=13, help="lines each way (13)")
     output_option(verb, "distortion.png")
@@ -82,7 +82,7 @@ def _add_distortion(verbs: Any) -> None:
 def _add_eoc(verbs: Any) -> None:
     verb = add_verb(verbs, "eoc", write_ellipses, "ellipses of confusion at chosen depths, as PNG, SVG, CSV or JSON")
     lens_and_wearer(verb)
-    verb.add_argument("--depths", type=depth, nargs="+", help="(27cm 78cm 340cm)")
+    verb.add_argument("--depths", type=depth, nargs="+", help="straight ahead from the cornea (27cm 78cm 340cm)")
     unsaid(verb, depths=(270.0, 780.0, 3400.0))
     verb.add_argument("-n", type=count, default=32, help="ellipses along each side (32)")
     verb.add_argument(
@@ -101,8 +101,8 @@ def _add_voxels(verbs: Any) -> None:
     )
     lens_and_wearer(verb)
     verb.add_argument("-n", type=count, nargs=3, default=[64, 64, 64], metavar=("NX", "NY", "NZ"), help="(64 64 64)")
-    verb.add_argument("--near", type=depth, default=200.0, help="nearest plane (20cm)")
-    verb.add_argument("--far", type=depth, default=10000.0, help="farthest plane (10m)")
+    verb.add_argument("--near", type=depth, default=200.0, help="nearest plane, from the cornea (20cm)")
+    verb.add_argument("--far", type=depth, default=10000.0, help="farthest plane, from the cornea (10m)")
     verb.add_argument(
         "--fov", type=field_of_view, default=math.radians(28), metavar="DEG", help="full angle each way (56)"
     )

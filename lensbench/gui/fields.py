@@ -175,9 +175,9 @@ def _of_bench(name: str) -> tuple[Read, Write]:
 
 LOOK = (
     Field("Object proximity", "D", 0, 5, 0.05, _read_proximity, _write_proximity),
-    Field("Ellipses, depth 1", "mm", 150, 4000, 10, *_of_depth(0)),
-    Field("Ellipses, depth 2", "mm", 150, 4000, 10, *_of_depth(1)),
-    Field("Ellipses, depth 3", "mm", 150, 4000, 10, *_of_depth(2)),
+    Field("Ellipses, from the eye, 1", "mm", 150, 4000, 10, *_of_depth(0)),
+    Field("Ellipses, from the eye, 2", "mm", 150, 4000, 10, *_of_depth(1)),
+    Field("Ellipses, from the eye, 3", "mm", 150, 4000, 10, *_of_depth(2)),
     Field("Head turned to the left", "°", -40, 40, 1, *_of_bench("head_turn")),
     Field("Head tilted up", "°", -40, 40, 1, *_of_bench("head_tilt")),
 )

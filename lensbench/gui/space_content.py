@@ -164,7 +164,7 @@ class EllipsesContent(SpaceContent):
         def put(plotter: Any) -> None:
             corners = draw_ellipses(plotter, lens, wearer, sheets, bands)
             self.stage.words = [
-                (corner[1], f"{sheet.depth:g} mm" + (f", ×{factor:g}" if factor != 1 else ""))
+                (corner[1], f"{sheet.depth:g} mm from the eye" + (f", ×{factor:g}" if factor != 1 else ""))
                 for corner, (sheet, factor) in zip(corners, sheets, strict=True)
             ]
             self._sights = wearer, np.concatenate(corners)

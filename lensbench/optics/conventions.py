@@ -6,6 +6,8 @@ Nasal is +x for a right lens and -x for a left lens. Lengths in mm and angles in
 so; degrees only in files, on the command line and in the window.
 
 Wear frame: its origin lies on the line of sight straight ahead, one vertex distance before the cornea.
+A depth counts straight ahead from the corneal apex of the eye looking straight ahead; a distance along a ray from the
+front surface (naked eye: from the pupil's centre).
 Lens frame: its origin is the back vertex. Surface frame: its origin is that surface's vertex.
 
 Power and vergence: symmetric 2x2 matrices in dioptres, [[m + j0, j45], [j45, m - j0]]; cylinders are printed as minus
@@ -34,7 +36,8 @@ class Status(IntEnum):
     OUTSIDE_OUTLINE = 3
     NOT_CONVERGED = 4
     TOTAL_INTERNAL_REFLECTION = 5
-    BUNDLE_CUT = 6  # in maps: the chief ray passes, but not every other ray that the quantity needs
+    BUNDLE_CUT = 6  # in maps by real rays: the chief ray passes, but not the whole bundle through the pupil
+    NO_VALUE = 7  # in maps: the ray passes, but the quantity has no value there
 
 
 class SphereCylinderAxis(NamedTuple):

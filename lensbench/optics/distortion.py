@@ -28,10 +28,10 @@ class Chart(NamedTuple):
 
 
 def seen_chart(lens: Lens | None, wearer: Wearer, tangents: ArrayLike, depth: float = np.inf) -> Chart:
-    """How a chart straight ahead, `depth` mm before the back vertex, is seen. tangents (n, 2): x and y over z of its points,
+    """How a chart straight ahead, `depth` mm before the cornea, is seen. tangents (n, 2): x and y over z of its points,
     from the centre of rotation; NaN where no ray within the outline meets the point."""
     at = np.asarray(tangents, dtype=float)
-    away = min(depth, FAR) + wearer.vertex_sphere_radius
+    away = min(depth, FAR) + wearer.eye.centre_of_rotation
     points = wearer.centre_of_rotation + away * np.column_stack([at, np.ones(len(at))])
     field = look_at(lens, wearer, points)
     seen = np.where((field.status == 0)[:, None], field.directions, np.nan)

@@ -80,6 +80,11 @@ class Wearer:
         return np.array([0.0, 0.0, -self.vertex_sphere_radius])
 
     @property
+    def corneal_apex(self) -> float:
+        """z (mm, wear frame) of the corneal apex of the eye looking straight ahead: where depths count from."""
+        return -self.wear.vertex_distance
+
+    @property
     def vertex_sphere_radius(self) -> float:
         """Radius (mm) of the vertex sphere: from the centre of rotation to the back vertex."""
         return self.wear.vertex_distance + self.eye.centre_of_rotation

@@ -20,19 +20,20 @@ from .html import Picture, picture_of, render
 from .progress import Progress
 from .tables import distance_text, map_numbers
 
+FAR, BY_GAZE, NEAR = "∞", "by gaze", "near"
 MEASURES = {
-    "distance_width": "Distance zone, width at the fitting point (mm)",
-    "intermediate_width": "Intermediate zone, width half-way down (mm)",
-    "near_width": "Near zone, width at the near reference point (mm)",
-    "distance_area": "Distance zone, area (mm²)",
-    "intermediate_area": "Intermediate zone, area (mm²)",
-    "near_area": "Near zone, area (mm²)",
-    "corridor_width": "Corridor, narrowest clear width (mm)",
-    "corridor_y": "… at y (mm)",
-    "reach_of_addition": "85 % of the addition, below the fitting point (mm)",
-    "most_astigmatism": "Greatest astigmatic error (D)",
-    "most_astigmatism_at": "… at x, y (mm)",
-}
+    "distance_width": ("Distance zone, width at the fitting point (mm)", FAR),
+    "intermediate_width": ("Intermediate zone, width half-way down (mm)", BY_GAZE),
+    "near_width": ("Near zone, width at the near reference point (mm)", NEAR),
+    "distance_area": ("Distance zone, area (mm²)", FAR),
+    "intermediate_area": ("Intermediate zone, area (mm²)", BY_GAZE),
+    "near_area": ("Near zone, area (mm²)", NEAR),
+    "corridor_width": ("Corridor, narrowest clear width (mm)", BY_GAZE),
+    "corridor_y": ("… at y (mm)", BY_GAZE),
+    "reach_of_addition": ("85 % of the addition, below the fitting point (mm)", BY_GAZE),
+    "most_astigmatism": ("Greatest astigmatic error (D)", FAR),
+    "most_astigmatism_at": ("… at x, y (mm)", FAR),
+}  # label, and where the objects are for which it is taken, as in zones.Zones
 
 
 def build_comparison(lenses: Sequence[Lens], wearer: Wearer, folder: Path, progress: Progress) -> None:
@@ -86,12 +87,19 @@ def comparison_page(designs: Sequence[Design], wearer: Wearer, pictures: dict[st
         wearer_rows=wearer_facts(wearer),
         pictures=pictures,
         layers=MAPS,
-        measures=[
-            Fact(label, label, [_cell(getattr(d.zones, name)) for d in designs]) for name, label in MEASURES.items()
-        ],
+        measures=measure_rows(designs, wearer),
         readings=reading_rows(designs),
         spreads=difference_rows(designs),
     )
+
+
+def measure_rows(designs: Sequence[Design], wearer: Wearer) -> list[Fact]:
+    """The measures of the zones, for objects where each is taken, one cell a design."""
+    near = f"{wearer.wear.near_distance / 10:g} cm"
+    return [
+        Fact(name, label, [near if objects is NEAR else objects, *(_cell(getattr(d.zones, name)) for d in designs)])
+        for name, (label, objects) in MEASURES.items()
+    ]
 
 
 def reading_rows(designs: Sequence[Design]) -> list[Fact]:

@@ -190,15 +190,15 @@ def voxels_about(lens: Lens, wearer: Wearer, voxels: VoxelField) -> dict[str, An
             "ahead": [0, 0, 1],
             "up": [0, 1, 0],
             "field_of_view_deg": 2 * math.degrees(layer.half_angle),
-            "near_mm": layer.near,
-            "far_mm": layer.far,
+            "near_mm": layer.near + wearer.eye.centre_of_rotation,
+            "far_mm": layer.far + wearer.eye.centre_of_rotation,
         },
         "frame": "wear frame, mm: x to the wearer's left, y up, z ahead, the back vertex at 0",
         "units": {
             "blur": "mm, across the outgoing ray, by unit vector of the pupil: M11 M12 M21 M22",
             "ndc": "NDC of the picture (x to the wearer's left, y up, -1 to 1), by unit vector of the pupil; -x to the right",
             "u, v": "tangent of the gaze",
-            "depth": "mm",
+            "depth": "mm straight ahead from the cornea",
         },
     }
 

@@ -84,7 +84,9 @@ def _draw_sheet(axes: Axes, sheet: EllipseSheet, angle: Floats, bands: Bands, ex
 
 
 def _sheet_title(sheet: EllipseSheet, exaggeration: float) -> str:
-    return f"{sheet.depth / 10:g} cm, " + ("true scale" if exaggeration == 1.0 else f"ellipses ×{exaggeration:g}")
+    return f"{sheet.depth / 10:g} cm from the eye, " + (
+        "true scale" if exaggeration == 1.0 else f"ellipses ×{exaggeration:g}"
+    )
 
 
 def ellipse_stack(
@@ -148,17 +150,17 @@ def add_wearer(plotter: pv.Plotter, lens: Lens | None, wearer: Wearer) -> None:
             plotter.add_mesh(part, color="#7fb2d6", opacity=0.7)
 
 
-def _frame(sheet: EllipseSheet, outlines: Floats) -> Floats:
-    """Corners (4, 3) of the rectangle round the ellipses, mm; the second is the upper one on the wearer's left."""
+def _frame(z: float, outlines: Floats) -> Floats:
+    """Corners (4, 3) of the rectangle round the ellipses at z, mm; the second is the upper one on the wearer's left."""
     rim = outlines[..., :2].reshape(-1, 2)
     (x0, y0), (x1, y1) = (rim.min(axis=0), rim.max(axis=0)) if len(rim) else ((0.0, 0.0), (0.0, 0.0))
-    return np.array([[x, y, sheet.depth] for x, y in ((x0, y1), (x1, y1), (x1, y0), (x0, y0))])
+    return np.array([[x, y, z] for x, y in ((x0, y1), (x1, y1), (x1, y0), (x0, y0))])
 
 
 def _add_sheet(plotter: pv.Plotter, sheet: EllipseSheet, wearer: Wearer, bands: Bands, exaggeration: float) -> Floats:
     """The ellipses of one depth as polygons in one mesh, lines of sight to the rectangle round them; its corners."""
     outlines = ellipse_outlines(sheet, exaggeration)
-    corners = _frame(sheet, outlines)
+    corners = _frame(wearer.corneal_apex + sheet.depth, outlines)
     plotter.add_mesh(pv.lines_from_points(corners, close=True), color="#9aa4ac", line_width=FINENESS)
     for corner in corners:
         plotter.add_mesh(pv.Line(wearer.centre_of_rotation, corner), color="#d5dade", line_width=0.7 * FINENESS)
