@@ -155,9 +155,10 @@ class ViewLayer:
 
 @dataclass(frozen=True, slots=True)
 class DefocusLayer:
-    """Defocus map of a view: the blur that the eye receives from what it meets in each pixel of the view."""
+    """Defocus map of a view: the blur of what the eye meets in each pixel of the view. measure: one of MEASURES."""
 
     view: ViewLayer = ViewLayer()
+    measure: str = "defocus"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -186,6 +187,7 @@ class ProbeLayer:
     quantity: str = ""
 
 
+MEASURES = ("defocus", "ellipse_diagonal")  # as the quantities of a map
 EYES = ("lens", "naked", "pinhole", "perfect")
 Layer = (
     MapLayer
@@ -286,7 +288,7 @@ class PointReading:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RealRaysCheck(ReadOnlyArrays):
-    """Blur of n gazes for objects at `distance`: angular diameter 2|eps| on the retina, arcmin, to the first order and by
+    """Blur of n gazes for objects at `distance`: rms diameter on the retina, arcmin, to the first order and by
     the second moments of real rays through the whole pupil; higher_order_rms (n,): of the wave aberration, um.
     """
 
@@ -341,7 +343,7 @@ class Probe(ReadOnlyArrays):
 
     distance: of the object along it, mm. sphere, cylinder, mean_power (D), axis (degrees): as worn for that distance. prism
     (cm/m), prism_base (degrees). semi_major, semi_minor: of the ellipse of confusion there, mm; NaN at infinity.
-    accommodation: in use, D. defocus: 2|eps|, arcmin. status: of the ray; readings are NaN where it is not OK. value: of the
+    accommodation: in use, D. defocus: rms blur diameter, arcmin. status: of the ray; readings are NaN where it is not OK. value: of the
     quantity that was asked for, in its unit.
     """
 
@@ -436,13 +438,14 @@ class SeenPart(ReadOnlyArrays):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DefocusView(ReadOnlyArrays):
-    """defocus (h, w), rad, first row at the top: angular diameter 2|eps| of the blur in each pixel of a view.
+    """defocus (h, w), rad, first row at the top: the blur in each pixel of a view by a measure of MEASURES.
 
     NaN beyond the lens's edge, where no ray passes, and where the scene is empty.
     """
 
     layer: ViewLayer
     defocus: Floats
+    measure: str = "defocus"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

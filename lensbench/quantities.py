@@ -10,7 +10,7 @@ from .optics.bundle import Wavefront
 from .optics.chromatic import transverse_chromatic_aberration
 from .optics.conventions import Floats, Status, astigmatism, mean_power, sphere_cylinder_axis
 from .optics.distortion import anisotropy, area_magnification, rotation, skew, swim
-from .optics.field import Accommodation, GazeField
+from .optics.field import Accommodation, GazeField, ellipse_diagonal
 from .optics.gaze import worn_pose
 from .optics.lens import Lens
 from .optics.lensmeter import VertexPower, back_vertex_power, surface_power
@@ -45,7 +45,12 @@ QUANTITIES = {
     "astigmatic_error": Quantity("Astigmatic error", "D", lambda f, s, a: astigmatism(f.power_error(s))),
     "residual_mean": Quantity("Residual mean defocus", "D", lambda f, s, a: mean_power(f.residual_defocus(s, a))),
     "accommodation": Quantity("Accommodation in use", "D", lambda f, s, a: f.accommodation(s, a)),
-    "defocus": Quantity("Defocus 2|ε|", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
+    "defocus": Quantity("Defocus, rms blur diameter", "arcmin", lambda f, s, a: np.degrees(f.defocus(s, a)) * 60),
+    "ellipse_diagonal": Quantity(
+        "Diagonal 2|ε| of the ellipse of confusion, seen from the lens",
+        "arcmin",
+        lambda f, s, a: np.degrees(ellipse_diagonal(f.angular_blur(s, a))) * 60,
+    ),
     "prism": Quantity("Prism", "cm/m", lambda f, s, a: f.prism().prism),
     "prism_horizontal": Quantity(
         "Horizontal prism, + base to the wearer's left", "cm/m", lambda f, s, a: f.prism_components()[:, 0]
@@ -68,13 +73,13 @@ QUANTITIES = {
     "thickness": Quantity("Thickness", "mm", lambda f, s, a: _thickness(f), "along the lens's axis"),
     # by real rays through the whole pupil
     "defocus_by_real_rays": Quantity(
-        "Defocus 2|ε| by real rays",
+        "Rms blur diameter by real rays",
         "arcmin",
         lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus()) * 60,
         missing=Status.BUNDLE_CUT,
     ),
     "defocus_left_out": Quantity(
-        "Defocus 2|ε|, real rays less first order",
+        "Rms blur diameter, real rays less first order",
         "arcmin",
         lambda f, s, a: np.degrees(_wavefront(f, s, a).defocus() - f.defocus(s, a)) * 60,
         missing=Status.BUNDLE_CUT,

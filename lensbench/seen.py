@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InputError
-from .layers import EYES, DefocusView, SeenPart, SeenScene, ViewLayer
+from .layers import EYES, MEASURES, DefocusView, SeenPart, SeenScene, ViewLayer
 from .optics.atlas import BEYOND, FieldAtlas, field_atlas
 from .optics.conventions import Floats, Status, listing_frame, rotation_xy
 from .optics.eye import Eye, Wear, Wearer
-from .optics.field import GazeField
+from .optics.field import GazeField, ellipse_diagonal
 from .optics.gaze import direction_from_angles, look_at, trace
 from .optics.lens import Lens
 from .optics.lens_edge import LensEdge, lens_edge
@@ -109,13 +109,16 @@ def right_half(width: int) -> NDArray[np.bool_]:
     return np.arange(width) + 0.5 >= width / 2
 
 
-def defocus_view(seen: SeenScene) -> DefocusView:
-    """2|eps| in each pixel of a view: of the first point of the scene that its chief ray meets.
+def defocus_view(seen: SeenScene, measure: str = "defocus") -> DefocusView:
+    """The blur in each pixel of a view: of the first point of the scene that its chief ray meets.
 
-    Kakimoto, Tatsukawa & Nishita 2010, section 5.3.
+    measure: "defocus", GazeField.defocus; "ellipse_diagonal", that of Kakimoto, Tatsukawa & Nishita 2010, section 5.3, as
+    the angle in which it appears from the lens. Raises InputError for another one.
     """
     from .scenes.cast import first_hit
 
+    if measure not in MEASURES:
+        raise InputError(f"measure: {measure!r} is none of {', '.join(MEASURES)}")
     width, height = seen.layer.size
     gaze = pixel_directions(seen.layer).reshape(-1, 3) @ seen.frame @ seen.head
     values = np.full(width * height, np.nan)
@@ -127,5 +130,7 @@ def defocus_view(seen: SeenScene) -> DefocusView:
         start = (field.origin - seen.eye) @ seen.head.T + seen.eye
         distance = first_hit(seen.scene, start, field.direction @ seen.head.T)
         met = np.isfinite(distance)
-        values[inside] = np.where(met, field.defocus(np.where(met, distance, 1e6), seen.layer.accommodation), np.nan)
-    return DefocusView(seen.layer, values.reshape(height, width))
+        there = np.where(met, distance, 1e6), seen.layer.accommodation
+        blur = field.defocus(*there) if measure == "defocus" else ellipse_diagonal(field.angular_blur(*there))
+        values[inside] = np.where(met, blur, np.nan)
+    return DefocusView(seen.layer, values.reshape(height, width), measure)

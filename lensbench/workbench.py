@@ -337,7 +337,7 @@ def seen_scene(layer: ViewLayer, request: Request) -> SeenScene:
 @_answer.register
 def defocus_view(layer: DefocusLayer, request: Request) -> DefocusView:
     """The defocus map in a view."""
-    return seen.defocus_view(seen_scene(layer.view, request))
+    return seen.defocus_view(seen_scene(layer.view, request), layer.measure)
 
 
 @_answer.register

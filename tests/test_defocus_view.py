@@ -5,12 +5,14 @@ import pytest
 
 from lensbench.errors import InputError
 from lensbench.layers import DefocusView, ViewLayer
+from lensbench.quantities import QUANTITIES
 
 pytest.importorskip("vtkmodules")
 
 from lensbench.views.defocus import (
     ARCMIN,
     DENSEST,
+    SAID,
     Scale,
     defocus_strip,
     scale_bar,
@@ -54,6 +56,15 @@ def test_compared_maps_share_a_scale():
         shared_scale(maps[2:])
     with pytest.raises(InputError, match="veil, colours"):
         shared_scale(maps, "rainbow")
+
+
+def test_the_papers_measure_is_named_for_what_it_is():
+    papers = DefocusView(ViewLayer(), np.full((30, 40), 17 / ARCMIN), "ellipse_diagonal")
+    scale = shared_scale([papers])
+    assert scale == Scale("veil", 20.0, "ellipse_diagonal")
+    assert (scale_bar(scale, 600, 11) != scale_bar(Scale("veil", 20.0), 600, 11)).any()
+    assert "2|ε|" in SAID["ellipse_diagonal"]
+    assert "2|ε|" not in SAID["defocus"] + QUANTITIES["defocus"].label
 
 
 @pytest.mark.parametrize("way", ["veil", "colours"])

@@ -168,7 +168,7 @@ def test_the_command_writes_it_whole_or_not_at_all(tmp_path, capsys):
 
 
 def test_myopes_are_blurred_by_their_refraction_at_infinity():
-    """Far wall, refraction -1 D, 5 mm pupil: 2|eps| = 5 mm x 1 D less the wall's vergence."""
+    """Far wall, refraction -1 D, 5 mm pupil: rms blur diameter = 5 mm x 1 D less the wall's vergence."""
     wall = rectangle("wall", [0, 0, 1e5], [-3e4, 0, 0], [0, 3e4, 0], GREY)
     wearer = Wearer(Eye(power_matrix(-1.0), pupil_diameter=5.0), CENTRED)
     found = pixel_optics(see(Scene("wall", (wall,)), wearer=wearer, half_width=0.1))

@@ -242,6 +242,19 @@ def test_defocus_in_the_view_is_that_of_what_each_pixel_meets(progressive, weare
     distance = (WALL.points[0, 2] - start[2]) / turned[2]
     assert found.defocus[10, 14] == pytest.approx(field.defocus(distance)[0], rel=1e-4)
     assert np.isnan(found.defocus[:, 0]).all()
+    papers = run(Request(progressive, wearer, DefocusLayer(view, "ellipse_diagonal"), Scene("wall", (WALL,))))
+    axes = field.eoc(distance)
+    assert papers.defocus[10, 14] == pytest.approx(2 * np.hypot(*axes[:2])[0] / distance, rel=1e-4)
+    with pytest.raises(InputError, match="defocus, ellipse_diagonal"):
+        run(Request(progressive, wearer, DefocusLayer(view, "diameter"), Scene("wall", (WALL,))))
+
+
+def test_a_map_of_the_papers_diagonal_is_that_of_the_ellipses(progressive, wearer):
+    seen = run(Request(progressive, wearer, MapLayer("ellipse_diagonal", 400.0, samples=21)))
+    field = lb.look_through(progressive, wearer, [seen.x[12]], [seen.y[9]])
+    axes = field.eoc(400.0)
+    expected = np.degrees(2 * np.hypot(axes.semi_major, axes.semi_minor)[0] / 400.0) * 60
+    assert seen.values[9, 12] == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_nose_is_on_the_other_side_of_a_left_lens(progressive, wearer):

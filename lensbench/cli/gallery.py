@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .options import add_verb, count, kind_of, scene_of, scene_options, write
+from .options import add_verb, count, kind_of, measure_option, scene_of, scene_options, write
 
 if TYPE_CHECKING:
     from ..scenes.scene import Scene
@@ -20,6 +20,7 @@ def add_verbs(verbs: Any) -> None:
     scene_options(verb)
     verb.add_argument("--look", metavar="NAME", default="intermediate", help="middle of the pictures (intermediate)")
     verb.add_argument("--way", choices=["veil", "colours"], default="veil", help="how the defocus is drawn")
+    measure_option(verb)
     verb.add_argument("--passes", type=count, default=64, help="pictures blended for the blur (64)")
     verb.add_argument("--small", type=Path, metavar="FILE", help="a small copy of the sheet, for a page (.png)")
     verb.add_argument("-o", "--output", type=Path, default=Path("gallery"), metavar="DIR", help="folder (gallery)")
@@ -43,7 +44,7 @@ def write_gallery(args: argparse.Namespace) -> None:
     wearer = load_wearer(args.wearer) if args.wearer else None
     pairs = [(lens, wearer or assumed_wearer(lens)) for lens in map(load_lens, args.lens)]
     scene = scene_of(args)
-    cases = gallery_cases(pairs, scene, args.look, 560)
+    cases = gallery_cases(pairs, scene, args.look, 560, args.measure or "defocus")
     scale, rows = gallery_pictures(cases, args.passes, args.way)
     who = wearer.name if wearer else "each by a wearer of the refraction that it was ordered for"
     sheet = gallery_sheet(cases, scale, rows, f"Looking at the {scene.name} through {len(cases)} lenses, {who}")

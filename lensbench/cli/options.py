@@ -96,6 +96,15 @@ def scene_options(verb: argparse.ArgumentParser, default: str | None = "room") -
         verb.add_argument(f"--scene-{name}", type=float, nargs=3, metavar=("X", "Y", "Z"), help=f"{what}, in the mesh")
 
 
+def measure_option(verb: argparse.ArgumentParser) -> None:
+    """--measure."""
+    verb.add_argument(
+        "--measure",
+        choices=["defocus", "ellipse_diagonal"],
+        help="of the defocus map: rms diameter of the blur that the eye receives (the default), or 2|eps| as in the paper",
+    )
+
+
 def progress_option(verb: argparse.ArgumentParser) -> None:
     """--progress."""
     verb.add_argument(

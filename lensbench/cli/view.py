@@ -14,6 +14,7 @@ from .options import (
     count,
     gaze_angle,
     kind_of,
+    measure_option,
     lens_and_wearer,
     load_case,
     scene_of,
@@ -64,6 +65,7 @@ def _view_options(verb: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     verb.add_argument("--split", action="store_true", help="the left half without the lens")
     verb.add_argument("--defocus", choices=["veil", "colours"], help="draw the defocus map over it, with its scale")
+    measure_option(verb)
     verb.add_argument("--size", type=int, nargs=2, default=(960, 720), metavar=("W", "H"))
     verb.add_argument("--fov", type=float, default=50.0, help="horizontal field of view, degrees (50)")
     verb.add_argument("--passes", type=count, default=48, help="pictures blended for the blur (48)")
@@ -141,6 +143,8 @@ def _request(args: argparse.Namespace, head: tuple[float, float] | None = None) 
         raise InputError("view: --fov must be 5 to 120 degrees, --size 16 to 8192 pixels")
     if not abs(args.exposure) <= 16:
         raise InputError("view: --exposure must be -16 to 16 stops")
+    if args.measure and not args.defocus:
+        raise InputError("view: --measure is of the defocus map: say --defocus veil or colours")
     if args.seed < 0:
         raise InputError("view: --seed must not be negative")
     if (args.split or args.defocus) and args.eye not in ("lens", "pinhole"):
@@ -166,5 +170,5 @@ def _pictures(args: argparse.Namespace, studio: Any, requests: "list[Request]") 
         return drawn
     from ..views.defocus import under_scale
 
-    found = [run(replace(r, layer=DefocusLayer(r.layer))) for r in requests]
+    found = [run(replace(r, layer=DefocusLayer(r.layer, args.measure or "defocus"))) for r in requests]
     return under_scale(drawn, found, args.defocus)

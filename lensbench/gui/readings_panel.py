@@ -161,7 +161,7 @@ def reading_text(reading: Reading) -> str:
         ("Mean power", f"{p.mean_power:+.2f} D"),
         ("Prism, base", f"{p.prism:.2f} cm/m, {p.prism_base:.0f}°"),
         ("Accommodation in use", f"{p.accommodation:.2f} D"),
-        ("Blur 2|ε|", f"{p.defocus:.1f}′"),
+        ("Rms blur diameter", f"{p.defocus:.1f}′"),
     ]
     return _table(rows)
 

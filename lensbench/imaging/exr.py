@@ -48,7 +48,7 @@ PARTS = {
     "eye": Part(
         {name: (name, None) for name in ("accommodation", "residual_mean", "defocus")},
         "accommodation D, residual_mean D, defocus arcmin",
-        "accommodation in use, mean defocus after it, angular diameter 2|eps| of the blur",
+        "accommodation in use, mean defocus after it, rms diameter of the blur that the eye receives",
     ),
     "zone": Part(
         {"through": ("through", None), "status": ("status", None)},

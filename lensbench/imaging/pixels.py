@@ -25,7 +25,7 @@ class PixelOptics(ReadOnlyArrays):
     the gaze. refracted: unit, the ray into the scene. hit and directions: the scene's frame, which is the wear frame of this
     eye with its head straight. sphere, cylinder D, axis degrees TABO: as worn at that distance. semi_major, semi_minor mm,
     orientation degrees 0 to 180: ellipse of confusion there, in the frame across the outgoing ray. accommodation in use,
-    residual_mean defocus after it: D. defocus: 2|eps|, arcmin.
+    residual_mean defocus after it: D. defocus: rms blur diameter, arcmin.
     """
 
     through: NDArray[np.uint32]

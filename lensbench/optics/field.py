@@ -193,11 +193,11 @@ class GazeField(ReadOnlyArrays):
         return self.wearer.eye.pupil_diameter / 2000 * self.residual_defocus(distance, accommodation)
 
     def defocus(self, distance: ArrayLike, accommodation: Accommodation = "retina") -> Floats:
-        """Angular diameter 2|eps| (..., n), rad, of the blur as the eye receives it (rms of the two semi-axes, doubled).
+        """Rms blur diameter (..., n), rad: of the blur that the eye receives the rms of the two axes, sqrt(2) |r_p (S - S*)|.
 
-        Kakimoto, Tatsukawa & Nishita 2010, section 5.3 (the dynamic defocus map).
+        A sphere's blur disc has this diameter; the paper's defocus map shows another measure, see ellipse_diagonal.
         """
-        return np.sqrt(2.0) * np.linalg.norm(self.retinal_blur(distance, accommodation), axis=(-2, -1))
+        return ellipse_diagonal(self.retinal_blur(distance, accommodation)) / np.sqrt(2.0)
 
     def bundle(
         self, distance: ArrayLike, accommodation: Accommodation = "retina", pupil: "Pupil | None" = None
@@ -274,6 +274,14 @@ def ellipse(blur: ArrayLike) -> Ellipse:
     turning, stretching = np.hypot(e, h), np.hypot(f, g)
     orientation = (np.arctan2(g, f) + np.arctan2(h, e)) / 2 % np.pi
     return Ellipse(turning + stretching, np.abs(turning - stretching), orientation)
+
+
+def ellipse_diagonal(blur: ArrayLike) -> Floats:
+    """2|eps| = 2 sqrt(eps1^2 + eps2^2) (...,) of the ellipse that blur matrices (..., 2, 2) make of the unit disc, in their unit.
+
+    Kakimoto, Tatsukawa & Nishita 2010, section 5.3: the measure of its defocus map, sqrt 2 times a circle's diameter.
+    """
+    return 2 * np.linalg.norm(np.asarray(blur, dtype=float), axis=(-2, -1))
 
 
 def signed_mean_axis(blur: ArrayLike) -> Floats:

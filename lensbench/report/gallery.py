@@ -34,13 +34,17 @@ class Case(NamedTuple):
     defocus: DefocusView
 
 
-def gallery_cases(pairs: Sequence[tuple[Lens, Wearer]], scene: Scene, name: str | None, side: int) -> list[Case]:
-    """Each lens on its wearer before the scene. name: look of the scene in the middle. side: pixels along a picture's edge."""
+def gallery_cases(
+    pairs: Sequence[tuple[Lens, Wearer]], scene: Scene, name: str | None, side: int, measure: str = "defocus"
+) -> list[Case]:
+    """Each lens on its wearer before the scene. name: look of the scene in the middle. side: pixels along a picture's edge.
+    measure: of the defocus, as in DefocusLayer.
+    """
     cases = []
     for lens, wearer in pairs:
         azimuth, up = look(name, lens, wearer, scene)
         layer = ViewLayer("lens", azimuth, up, FIELD / 2, (side, side))
-        seen, defocus = (run(Request(lens, wearer, asked, scene)) for asked in (layer, DefocusLayer(layer)))
+        seen, defocus = (run(Request(lens, wearer, asked, scene)) for asked in (layer, DefocusLayer(layer, measure)))
         cases.append(Case(lens.name, seen, defocus))
     return cases
 
@@ -58,7 +62,7 @@ def gallery_sheet(cases: Sequence[Case], scale: Scale, rows: dict[str, list[Pixe
     """All pictures on one sheet: a column a lens, its name above, the scale of the defocus below."""
     side = rows["seen"][0].shape[0]
     letter = max(12, side // 26)
-    titles = {"seen": "as seen", "defocus": "with the blur that the eye receives"}
+    titles = {"seen": "as seen", "defocus": "under its defocus map"}
     left, gap, head, line = _MARGIN, _MARGIN // 2, 4 * letter, round(1.9 * letter)
     width = 2 * left + len(cases) * side + (len(cases) - 1) * gap
     height = head + len(rows) * (side + line + gap)

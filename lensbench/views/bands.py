@@ -53,6 +53,7 @@ STYLES = {
     "residual_mean": MapStyle(_SIGNED),
     "accommodation": MapStyle(("BuGn",)),
     "defocus": MapStyle(("magma_r",), label_every=1, decimals=0, levels=_ARCMIN),
+    "ellipse_diagonal": MapStyle(("magma_r",), label_every=1, decimals=0, levels=_ARCMIN),
     "prism": MapStyle(("BuPu",), _PRISM_STEPS, decimals=1),
     "prism_horizontal": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),
     "prism_vertical": MapStyle(_SIGNED, _PRISM_STEPS, decimals=1),

@@ -1,6 +1,6 @@
 """The defocus map drawn over a view: a white veil that is the denser the more the eye sees blurred, or colours, with its scale.
 
-Kakimoto, Tatsukawa & Nishita 2010, section 5.3 and figure 15.
+After Kakimoto, Tatsukawa & Nishita 2010, section 5.3 and figure 15; their measure is "ellipse_diagonal".
 """
 
 from collections.abc import Sequence
@@ -19,14 +19,21 @@ from .jitter.picture import letters, side_by_side
 ARCMIN = float(np.degrees(60.0))  # per rad
 DENSEST = 0.85
 WAYS = ("veil", "colours")
+SAID = {
+    "defocus": "rms diameter of the blur that the eye receives, arcmin",
+    "ellipse_diagonal": "diagonal 2|ε| of the ellipse of confusion, arcmin seen from the lens",
+}
 _INK = (32, 36, 40)
 
 
 class Scale(NamedTuple):
-    """How defocus is drawn. way: "veil" (white, the denser the more up to `limit`, arcmin) or "colours" (bands)."""
+    """How defocus is drawn. way: "veil" (white, the denser the more up to `limit`, arcmin) or "colours" (bands). measure: of
+    MEASURES.
+    """
 
     way: str
     limit: float
+    measure: str = "defocus"
 
 
 def shared_scale(maps: Sequence[DefocusView], way: str = "veil") -> Scale:
@@ -37,9 +44,8 @@ def shared_scale(maps: Sequence[DefocusView], way: str = "veil") -> Scale:
     if values.size == 0:
         raise InputError("there is no defocus to draw: through the lens no point of the scene is met")
     most = float(np.percentile(values, 98)) * ARCMIN
-    return Scale(
-        way, next(s for e in range(6) for s in (1.0 * 10**e, 2.0 * 10**e, 3.0 * 10**e, 5.0 * 10**e) if s >= most)
-    )
+    limit = next(s for e in range(6) for s in (1.0 * 10**e, 2.0 * 10**e, 3.0 * 10**e, 5.0 * 10**e) if s >= most)
+    return Scale(way, limit, maps[0].measure)
 
 
 def with_defocus(picture: Pixels, found: DefocusView, scale: Scale) -> Pixels:
@@ -61,7 +67,7 @@ def _covered(ground: Floats | Pixels, arcmin: Floats, scale: Scale) -> Floats:
 
 
 def _bands(scale: Scale) -> Bands:
-    return value_bands("defocus", np.array([0.0, scale.limit]), limits=(0.0, scale.limit))
+    return value_bands(scale.measure, np.array([0.0, scale.limit]), limits=(0.0, scale.limit))
 
 
 def under_scale(pictures: Sequence[Pixels], maps: Sequence[DefocusView], way: str = "veil") -> list[Pixels]:
@@ -89,7 +95,7 @@ def scale_bar(scale: Scale, width: int, letter: int) -> Pixels:
     image = Image.new("RGB", (width, round(5.4 * letter)), "white")
     pen, font = ImageDraw.Draw(image), letters("", letter)
     left, right, top, low = 2 * letter, width - 2 * letter, round(1.9 * letter), round(3.3 * letter)
-    pen.text((left, letter), "blur 2|ε| that the eye receives, arcmin", _INK, font, "lm")
+    pen.text((left, letter), SAID[scale.measure], _INK, font, "lm")
     ticks = _ticks(scale)
     run = np.interp(np.linspace(0, ticks.size - 1, right - left), np.arange(ticks.size), ticks)
     dark_then_light = np.where(np.arange(low - top) < (low - top) / 2, 40.0, 150.0)

@@ -39,7 +39,7 @@ def real_rays_figure(lens: Lens, found: RealRays, names: Sequence[str]) -> Figur
     low, high = 0.1, 1.3 * max(float(np.nanmax(check.real_rays, initial=1.0)) for check in found.checks)
     pairs.plot([low, high], [low, high], color=INK, linewidth=0.8)
     pairs.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high))
-    pairs.set(xlabel="first order, 2|ε|, arcmin", ylabel="real rays, 2|ε|, arcmin")
+    pairs.set(xlabel="first order, rms blur diameter, arcmin", ylabel="real rays, rms blur diameter, arcmin")
     share.set(xscale="log", xlim=(0.003, 30), ylim=(0, 100))
     share.set(xlabel="deviation of the first order, arcmin", ylabel="share of the gazes within, %")
     for axes in (pairs, share):

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from lensbench.optics import surfaces
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wear, Wearer
+from lensbench.optics.field import ellipse_diagonal
 from lensbench.optics.gaze import direction_from_angles, trace
 
 AHEAD = [[0.0, 0.0, 1.0]]
@@ -99,6 +100,14 @@ def naked_blur(refraction, amplitude, distance, **accommodation):
     assert blur == pytest.approx(blur[0, 0] * np.eye(2), abs=1e-15)
     assert field.defocus(distance, **accommodation)[0] == pytest.approx(2 * abs(blur[0, 0]), abs=1e-15)
     return abs(blur[0, 0])
+
+
+def test_two_measures_of_a_myopes_blur():
+    """-1 D, pupil 3.94 mm, far objects: a disc of r_p |R| = 1.97 mrad; its diameter, and the paper's 2 sqrt(e1^2 + e2^2)."""
+    eye = Eye(-np.eye(2), refraction_vertex_distance=-3.05, accommodation=0.0, pupil_diameter=3.94)
+    field = trace(None, Wearer(eye), AHEAD)
+    assert field.defocus(np.inf)[0] == pytest.approx(3.94e-3, rel=1e-12)
+    assert ellipse_diagonal(field.angular_blur(np.inf))[0] == pytest.approx(2 * np.hypot(1.97e-3, 1.97e-3), rel=1e-12)
 
 
 @given(st.floats(100, 1e6))
