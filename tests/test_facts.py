@@ -77,6 +77,14 @@ def test_everything_that_matters_of_the_wearer_is_said():
     assert "pupillary distance: 32 mm" in text
 
 
+def test_angles_and_abbe_numbers_say_which_they_are():
+    wear = lb.Wear(pantoscopic_angle=np.radians(8.0), face_form_angle=np.radians(15.0))
+    (panto,) = (fact for fact in wearer_facts(lb.Wearer(wear=wear)) if fact.label == "Pantoscopic angle")
+    assert panto.text == "8.0° against the horizontal plane, 8.28° in the vertical plane"
+    assert panto.value == pytest.approx(8.0)
+    assert "V_d = 41" in facts_of(lb.load_lens(SAMPLES / "regular_R.toml"))["Material"].text
+
+
 def test_a_wearer_who_does_not_fit_the_order():
     lens = lb.load_lens(SAMPLES / "wide_near_R.toml")
     assert misfit(lens, assumed_wearer(lens)) == ""

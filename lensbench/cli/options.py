@@ -49,7 +49,7 @@ def lens_choice(verb: argparse.ArgumentParser) -> None:
     verb.add_argument(
         "--side", choices=["R", "L"], default="", help="which lens of a pair; of files that say none: right"
     )
-    verb.add_argument("--material", default="", metavar="NAME", help="by name, or n_d/Abbe number: 1.592/41")
+    verb.add_argument("--material", default="", metavar="NAME", help="by name, or n_d/V_d (Abbe number): 1.592/41")
     group = verb.add_argument_group("files that hold surfaces only")
     for name, what in (
         ("thickness", "at the centre, mm"),

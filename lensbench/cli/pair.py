@@ -19,7 +19,7 @@ def add_verbs(verbs: Any) -> None:
     verb = add_verb(verbs, "pair", write_pair, summary)
     verb.add_argument("right", type=Path, help="file of the right lens, or of both")
     verb.add_argument("left", type=Path, nargs="?", help="file of the left lens (the mirror image of the right one)")
-    verb.add_argument("--material", default="", metavar="NAME", help="by name, or n_d/Abbe number: 1.592/41")
+    verb.add_argument("--material", default="", metavar="NAME", help="by name, or n_d/V_d (Abbe number): 1.592/41")
     verb.add_argument(
         "-w",
         "--wearer",

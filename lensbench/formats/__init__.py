@@ -47,7 +47,7 @@ def load(path: str | Path) -> Any:
 def load_lens(path: str | Path, side: str = "", material: str = "", told: Completion | None = None) -> Lens:
     """The lens in a file; of a pair the one of a side "R" or "L" (the first, if none is named).
 
-    material: its name, or "n_d/Abbe number", for files that say nothing of it or to put another in its place. told: what is
+    material: its name, or "n_d/V_d", for files that say nothing of it or to put another in its place. told: what is
     known of a lens of which the file holds surfaces only; the rest is assumed and said in the lens's note. Raises InputError.
     """
     return load_pair(path, side, material, told)[0][0]

@@ -238,14 +238,14 @@ class MaterialTable(Table):
 
 
 def material_named(text: str) -> Material:
-    """The material of the table that a command names, or "n_d/Abbe number". Raises InputError."""
+    """The material of the table that a command names, or "n_d/V_d". Raises InputError."""
     numbers = re.fullmatch(r"([\d.]+)/([\d.]+)", text)
     found = named_material(text)
     if numbers and 1 < float(numbers[1]) < 3 and 10 < float(numbers[2]) < 120:
         return material_from_abbe(text, float(numbers[1]), float(numbers[2]))
     if found is None:
         raise InputError(
-            f"material: {text!r} is not known; there are {', '.join(MATERIALS)}, or write n_d/Abbe: 1.592/41"
+            f"material: {text!r} is not known; there are {', '.join(MATERIALS)}, or write n_d/V_d (Abbe number): 1.592/41"
         )
     return found
 

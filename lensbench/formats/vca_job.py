@@ -285,7 +285,7 @@ def _material(eye: Eyeside) -> tuple[Material, str]:
                 eye.say("Material", f"LIND = {index:g}: {material.name}, n_{wavelength}", index)
                 return material, wavelength
     nearest = min(known, key=lambda m: abs(m.n_d - index))
-    eye.say("Material", f"LIND = {index:g}, taken as n_d; Abbe number and density as {nearest.name}", index)
+    eye.say("Material", f"LIND = {index:g}, taken as n_d; Abbe number V_d and density as {nearest.name}", index)
     shift = nearest.n_e - nearest.n_d
     return Material(f"LIND {index:g}", index, index + shift, nearest.abbe, nearest.density), "d"
 

@@ -190,13 +190,13 @@ def _round_the_glass(path: Path, rows: list[Row]) -> tuple[Row, Row]:
 
 
 def _material(path: Path, row: Row) -> Material:
-    """The glass: a model glass by its index and Abbe number, or a name of the table of materials."""
+    """The glass: a model glass by its n_d and V_d, or a name of the table of materials."""
     name, words = row.glass[0], row.glass
     where = f"{path}, line {row.line}: surface {row.number}: GLAS {name}"
     if words[1:2] == ["1"] or name.startswith("___"):
         n_d, abbe = _number(where, words, 3), _number(where, words, 4)
         if not (1.3 < n_d < 2.2 and 10 < abbe < 120):
-            raise InputError(f"{where}: index {n_d:g} and Abbe number {abbe:g} are no spectacle lens's")
+            raise InputError(f"{where}: n_d {n_d:g} and Abbe number V_d {abbe:g} are no spectacle lens's")
         return material_from_abbe(f"model glass {n_d:g}/{abbe:g}", n_d, abbe)
     found = named_material(name)
     if found is None:

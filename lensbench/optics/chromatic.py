@@ -16,7 +16,7 @@ def transverse_chromatic_aberration(field: GazeField, distance: ArrayLike = np.i
 
     Two traces of the same gazes at two indices. The lines are F' and C' for a lens of the reference wavelength e, F and C
     for d. For a near object (`distance` mm, a number or (n,)) the offset of the two rays there counts, per distance. A
-    thin lens follows prism over Abbe number. Raises ValueError for the naked eye.
+    thin lens follows prism over Abbe number (V_d, at d). Raises ValueError for the naked eye.
     """
     if field.lens is None:
         raise ValueError("the naked eye has no lens whose dispersion could be told")

@@ -45,8 +45,9 @@ class Wear:
     """Position of wear. Distances in mm, angles in rad.
 
     vertex_distance: corneal apex to the back surface along the line of sight straight ahead. pantoscopic_angle > 0:
-    lower edge towards the cheek. face_form_angle > 0: temporal edge towards the face. decentration: (x, y) of the
-    lens's fitting point against that line of sight. pupillary_distance (monocular), near_distance (from the cornea).
+    lower edge towards the cheek; of the lens's axis against the horizontal plane. face_form_angle > 0: temporal edge towards
+    the face; of the axis against the vertical plane, seen from above. decentration: (x, y) of the lens's fitting point
+    against that line of sight. pupillary_distance (monocular), near_distance (from the cornea).
     object_distances: the wearer's own (lowering of the gaze in rad, object distance in mm from the cornea), rising in
     lowering; empty: see optics.object_distance.
     """
@@ -58,6 +59,11 @@ class Wear:
     pupillary_distance: float = 32.0
     near_distance: float = 400.0
     object_distances: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def pantoscopic_angle_in_vertical_plane(self) -> float:
+        """Pantoscopic angle, rad, of the lens's axis seen from the side: tan p / cos f for the face-form angle f."""
+        return float(np.arctan(np.tan(self.pantoscopic_angle) / np.cos(self.face_form_angle)))
 
     def rotation(self, side: str) -> Floats:
         """Turn (3, 3) of a lens of side "R" or "L" from the lens frame to the wear frame: R_y(face form) R_x(pantoscopic)."""

@@ -277,7 +277,7 @@ def ellipse(blur: ArrayLike) -> Ellipse:
 
 
 def ellipse_diagonal(blur: ArrayLike) -> Floats:
-    """2|eps| = 2 sqrt(eps1^2 + eps2^2) (...,) of the ellipse that blur matrices (..., 2, 2) make of the unit disc, in their unit.
+    """2|eps| = 2 sqrt(eps1^2 + eps2^2) (...,) of the ellipses of blur matrices (..., 2, 2), in their unit.
 
     Kakimoto, Tatsukawa & Nishita 2010, section 5.3: the measure of its defocus map, sqrt 2 times a circle's diameter.
     """

@@ -1,4 +1,4 @@
-"""Lens materials: refractive index at the reference wavelengths, Abbe number and density."""
+"""Lens materials: refractive index at the reference wavelengths, Abbe number V_d and density."""
 
 import re
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ DISPERSION_LINES = {"d": {"blue": 486.13, "red": 656.27}, "e": {"blue": 479.99, 
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """name; n_d and n_e at 587.56 and 546.07 nm (ISO 7944); Abbe number V_d; density in g/cm3."""
+    """name; n_d and n_e at 587.56 and 546.07 nm (ISO 7944); Abbe number V_d = (n_d - 1) / (n_F - n_C); density in g/cm3."""
 
     name: str
     n_d: float
@@ -30,7 +30,8 @@ class Material:
         return self.index(reference) + b * (nanometres**-2 - line**-2)
 
 
-# Makers' leaflets (Mitsui MR series) and Jalie, Ophthalmic Lenses and Dispensing; index and density vary by maker.
+# Makers' leaflets and Jalie, Ophthalmic Lenses and Dispensing; index and density vary by maker. All Abbe numbers are V_d;
+# Mitsui's leaflets state V_e (F', C') of the MR series: 41 (MR-8), 31 (MR-7, MR-10), 32 (MR-174).
 MATERIALS = {
     m.name: m
     for m in (
@@ -38,9 +39,9 @@ MATERIALS = {
         Material("Trivex", 1.530, 1.533, 44.0, 1.11),
         Material("polycarbonate", 1.586, 1.591, 30.0, 1.20),
         Material("MR-8", 1.592, 1.5955, 41.0, 1.30),
-        Material("MR-7", 1.660, 1.665, 31.5, 1.35),
-        Material("MR-10", 1.661, 1.666, 31.5, 1.37),
-        Material("MR-174", 1.732, 1.737, 32.5, 1.47),
+        Material("MR-7", 1.660, 1.665, 32.0, 1.35),
+        Material("MR-10", 1.661, 1.666, 32.0, 1.37),
+        Material("MR-174", 1.732, 1.737, 33.0, 1.47),
         Material("crown", 1.523, 1.525, 58.6, 2.54),
     )
 }
@@ -63,7 +64,7 @@ def named_material(name: str) -> Material | None:
 
 
 def material_from_abbe(name: str, n_d: float, abbe: float, density: float | None = None) -> Material:
-    """A material of which n_d and the Abbe number are known: n_e by Cauchy's n = A + B / lambda^2 through both.
+    """A material of which n_d and the Abbe number V_d are known: n_e by Cauchy's n = A + B / lambda^2 through both.
 
     density: g/cm3; that of the table's material of the nearest index, if not given.
     """

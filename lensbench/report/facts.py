@@ -129,7 +129,7 @@ def lens_facts(lens: Lens) -> list[Fact]:
         Fact("Side", {"R": "right", "L": "left"}[lens.side], lens.side),
         Fact(
             "Material",
-            f"{m.name}: n_{lens.wavelength} = {lens.index:g}, Abbe number {m.abbe:g}, {m.density:g} g/cm³",
+            f"{m.name}: n_{lens.wavelength} = {lens.index:g}, Abbe number V_d = {m.abbe:g}, {m.density:g} g/cm³",
             {"name": m.name, "n_d": m.n_d, "n_e": m.n_e, "abbe": m.abbe, "density_g_cm3": m.density},
         ),
         *_surface_facts(lens),
@@ -177,6 +177,7 @@ def wearer_facts(wearer: Wearer) -> list[Fact]:
     """The wearer: refraction and accommodation (D), pupil and distances (mm), angles (degrees)."""
     eye, wear = wearer.eye, wearer.wear
     panto, face = float(np.degrees(wear.pantoscopic_angle)), float(np.degrees(wear.face_form_angle))
+    upright = float(np.degrees(wear.pantoscopic_angle_in_vertical_plane))
     facts = [Fact("Name", wearer.name, wearer.name)]
     if wearer.age is not None:
         facts.append(Fact("Age", f"{wearer.age:g} years", wearer.age))
@@ -191,7 +192,11 @@ def wearer_facts(wearer: Wearer) -> list[Fact]:
         Fact("Amplitude of accommodation", f"{eye.accommodation:.2f} D", eye.accommodation),
         Fact("Pupil diameter", f"{eye.pupil_diameter:.2f} mm", eye.pupil_diameter),
         Fact("Vertex distance", f"{wear.vertex_distance:g} mm", wear.vertex_distance),
-        Fact("Pantoscopic angle", f"{panto:.1f}°", panto),
+        Fact(
+            "Pantoscopic angle",
+            f"{panto:.1f}°" + (f" against the horizontal plane, {upright:.2f}° in the vertical plane" if face else ""),
+            panto,
+        ),
         Fact("Face-form angle", f"{face:.1f}°", face),
         Fact("Centre of rotation", f"{eye.centre_of_rotation:g} mm behind the cornea", eye.centre_of_rotation),
         Fact("Entrance pupil", f"{eye.entrance_pupil:g} mm behind the cornea", eye.entrance_pupil),

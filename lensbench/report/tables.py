@@ -82,8 +82,8 @@ BLURRED = 1.0  # arcmin
 def real_rays_rows(found: RealRays) -> list[dict[str, Any]]:
     """One dictionary a distance: how far the first order is from real rays, medians and 90th percentiles over the gazes.
 
-    blur: rms blur diameter by real rays, deviation: of the first order from it, arcmin; relative_deviation: per cent of the blur, over
-    the gazes whose blur is more than BLURRED; higher_order_rms: um.
+    blur: its rms diameter by real rays, deviation: of the first order from it, arcmin; relative_deviation: per cent of the
+    blur, over the gazes whose blur is more than BLURRED; higher_order_rms: um.
     """
     return [_real_rays_row(check) for check in found.checks]
 

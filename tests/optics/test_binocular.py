@@ -102,14 +102,14 @@ def test_anisometropes_look_down(lens_of):
 
 @pytest.mark.parametrize("power", [-6.0, 0.0, 4.0])
 def test_inset_of_the_line_of_sight(lens_of, power):
-    """i = d / (1 + w (1/s - F)), w from the lens to the object, s from the lens to the centre of rotation (Prentice's rule)."""
+    """i = d / (1 + s (1/w - F)), s from the lens to the object, w from the centre of rotation to the lens (Prentice's rule)."""
     pair = pair_of(
         *(lens_of(surfaces.conic(power / 1200), surfaces.conic(-power / 1200), 0.5, index=N, side=s) for s in "RL")
     )
-    w, s = 380.0, 26.5
+    s, w = 380.0, 26.5
     right, left = fixate(pair, [[0.0, 0.0, w + s]]).lens_points()
     for points, d in ((right, 30.0), (left, -33.0)):
-        assert points[0] == pytest.approx([d / (1 + w * (1 / s - power / 1000)), 0.0], rel=0.015, abs=1e-9)
+        assert points[0] == pytest.approx([d / (1 + s * (1 / w - power / 1000)), 0.0], rel=0.015, abs=1e-9)
 
 
 def test_conjugate_gazes_of_a_symmetrical_pair(lens_of, spline_arrays):

@@ -30,6 +30,17 @@ def test_hofstetter_mean_amplitude():
     assert hofstetter_amplitude([45, 50, 55, 60, 70]) == pytest.approx([5.0, 3.5, 2.0, 0.5, 0.0])
 
 
+@pytest.mark.parametrize("side", ["R", "L"])
+def test_the_pantoscopic_angle_is_the_axis_against_the_horizontal_plane(side):
+    """8 degrees with 15 of face form: 8 against the horizontal plane, tan 8 / cos 15 seen from the side, 15 from above."""
+    wear = Wear(pantoscopic_angle=np.radians(8.0), face_form_angle=np.radians(15.0))
+    x, y, z = wear.rotation(side) @ [0.0, 0.0, 1.0]
+    assert np.degrees(np.arcsin(-y)) == pytest.approx(8.0, abs=1e-12)
+    assert np.degrees(np.arctan2(-y, z)) == pytest.approx(8.2784, abs=1e-4)
+    assert wear.pantoscopic_angle_in_vertical_plane == pytest.approx(np.arctan2(-y, z), abs=1e-15)
+    assert np.degrees(np.arctan2(abs(x), z)) == pytest.approx(15.0, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("luminance", "diameters"),
     [(10, [6.14, 5.42, 4.87, 4.33]), (100, [4.80, 4.33, 3.97, 3.61]), (1000, [3.53, 3.29, 3.11, 2.93])],
