@@ -343,8 +343,8 @@ class Probe(ReadOnlyArrays):
 
     distance: of the object along it, mm. sphere, cylinder, mean_power (D), axis (degrees): as worn for that distance. prism
     (cm/m), prism_base (degrees). semi_major, semi_minor: of the ellipse of confusion there, mm; NaN at infinity.
-    accommodation: in use, D. defocus: rms blur diameter, arcmin. status: of the ray; readings are NaN where it is not OK. value: of the
-    quantity that was asked for, in its unit.
+    accommodation: in use, D. defocus: rms blur diameter, arcmin. status: of the ray; readings are NaN where it is not OK.
+    value: of the quantity that was asked for, in its unit.
     """
 
     point: tuple[float, float]
