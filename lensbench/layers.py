@@ -388,7 +388,7 @@ class EllipseSheet(ReadOnlyArrays):
 @dataclass(frozen=True, slots=True, eq=False)
 class VoxelField(ReadOnlyArrays):
     """blur (2, 2, ny, nx, nz) float32: four planes M11, M12, M21, M22, mm across the outgoing rays; u (nx,), v (ny,):
-    tangents of the gaze; depth (nz,): mm ahead of the centre of rotation; status (ny, nx). NaN where a ray failed or the
+    tangents of the gaze; depth (nz,): mm from the cornea; status (ny, nx). NaN where a ray failed or the
     plane lies behind the lens. ndc: the same as blur, in NDC units of the picture of the turning eye (x to the wearer's
     left, y up, 2 from side to side); None where not asked for.
     """
