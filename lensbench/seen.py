@@ -70,6 +70,11 @@ def seen_parts(seen: SeenScene, lens: Lens | None) -> tuple[SeenPart, ...]:
     return tuple(_seen_part(seen, lens, part) for part in seen.scene.drawn)
 
 
+def parts_by_zone(seen: SeenScene) -> tuple[tuple[SeenPart, ...], tuple[SeenPart, ...]]:
+    """Every part as seen through the lens, and beside it by the naked eye; without a lens by the naked eye, and none."""
+    return seen_parts(seen, seen.lens), () if seen.around is None else seen_parts(seen, None)
+
+
 def _seen_part(seen: SeenScene, lens: Lens | None, part: Part) -> SeenPart:
     field, points = _vertex_field(lens, *_geometry(seen.wearer), part, seen.layer.head_turn, seen.layer.head_tilt)
     field = replace(field, wearer=seen.wearer)

@@ -154,7 +154,7 @@ def test_lost_vertices_take_their_triangles_with_them(monkeypatch):
         gaze[gaze[:, 0] > 1e-6] = np.nan
         return (replace(part, gaze=gaze),)
 
-    monkeypatch.setattr(view_pass, "seen_parts", half_lost)
+    monkeypatch.setattr(view_pass, "parts_by_zone", lambda seen: (half_lost(seen, seen.lens), ()))
     picture = jitter.render_view(see(patches([(0, 0, FAR)], 1500)), 4, by_vertices=True)
     assert picture[240, 260].max() == 0
     assert picture[240, 380].min() == 255

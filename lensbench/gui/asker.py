@@ -4,8 +4,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from PySide6.QtCore import QObject, Qt, Signal
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QWidget
 
 from .lane import Lane
 
@@ -91,11 +91,13 @@ def _with_question(key: tuple[Any, ...], context: Any, find: Callable[[], Any]) 
     return key, context, find()
 
 
-def marked(panel: QWidget, asker: Asker) -> QWidget:
-    """A panel below the mark of its asker."""
-    both = QWidget()
-    layout = QVBoxLayout(both, spacing=2)
-    layout.setContentsMargins(0, 0, 0, 0)
-    layout.addWidget(asker.mark, 0, Qt.AlignmentFlag.AlignRight)
-    layout.addWidget(panel, 1)
-    return both
+def marks(*askers: Asker) -> QWidget:
+    """The marks of some askers in a line, whose height does not change with them."""
+    line = QWidget()
+    line.setFixedHeight(line.fontMetrics().height())
+    layout = QHBoxLayout(line, spacing=8)
+    layout.setContentsMargins(0, 0, 6, 0)
+    layout.addStretch(1)
+    for asker in askers:
+        layout.addWidget(asker.mark)
+    return line

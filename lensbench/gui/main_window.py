@@ -22,7 +22,7 @@ from .. import __version__
 from ..errors import LensBenchError
 from ..layers import Probe
 from ..session import SPLITS, Pane, Workbench
-from .asker import marked
+from .asker import marks
 from .document import Document
 from .files import Files
 from .lane import Lane, sentence
@@ -78,13 +78,12 @@ class MainWindow(QMainWindow):
         self.log = QPlainTextEdit(readOnly=True, maximumBlockCount=500)
         tabs = QTabWidget()
         for title, widget in (
-            ("Reference points", marked(readings.points, readings.of_points)),
-            ("Against the order", marked(readings.tolerances, readings.of_tolerances)),
-            ("Log", self.log),
+            ("Reference points", readings.points), ("Against the order", readings.tolerances), ("Log", self.log),
         ):  # fmt: skip
             tabs.addTab(widget, title)
+        tabs.setCornerWidget(marks(readings.of_points, readings.of_tolerances))
         self._dock("Readings", tabs, Qt.DockWidgetArea.BottomDockWidgetArea)
-        self._dock("Probe", marked(readings.probe_panel, readings.of_probe), Qt.DockWidgetArea.BottomDockWidgetArea)
+        self._dock("Probe", readings.probe_panel, Qt.DockWidgetArea.BottomDockWidgetArea)
         docks = [self.findChild(QDockWidget, name) for name in ("Readings", "Probe")]
         self.resizeDocks(docks, [1000, 330], Qt.Orientation.Horizontal)
         self.resizeDocks(docks, [190, 190], Qt.Orientation.Vertical)

@@ -12,7 +12,7 @@ from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..quantities import QUANTITIES
 from ..session import Pane, Workbench
-from .asker import Asker
+from .asker import Asker, marks
 from .document import Document
 from .lane import Lane
 from .readings_panel import PointsTable, ProbePanel, Reading, TolerancePanel
@@ -39,6 +39,7 @@ class Readings(QObject):
         self.points, self.tolerances, self.probe_panel = PointsTable(), TolerancePanel(), ProbePanel()
         self.of_points, self.of_tolerances = Asker(self, lane, "points"), Asker(self, lane, "tolerances")
         self.of_probe = Asker(self, lane, "probe", first=True)
+        self.probe_panel.layout().insertWidget(0, marks(self.of_probe))
         self.probe: Probe | None = None
         self._at: Place | None = None
         self.of_points.answered.connect(lambda found, _: self.points.show_readings(found))

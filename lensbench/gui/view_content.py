@@ -1,6 +1,7 @@
 """The simulated view in its viewport: every pass is shown as it comes. Drag: turn the head; with Ctrl: the eye."""
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,8 +15,10 @@ from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
 
 from ..errors import LensBenchError
 from ..layers import Probe, SeenScene, ViewLayer
+from ..seen import parts_by_zone
 from ..session import Pane, Workbench
 from ..views.jitter import JitterPass
+from ..views.jitter.view_pass import VerticesNeeded, ZonesParts
 from ..views.offscreen import require_gl
 from .content import MARK, Content, say_nothing
 from .scene_source import answer_with_scene
@@ -34,6 +37,7 @@ class ViewContent(Content):
         self.setMinimumSize(160, 120)
         self.seen: SeenScene | None = None
         self._view: JitterPass | None = None
+        self._by_vertices = False
         self._window: Any = None
         self._pixels = vtkUnsignedCharArray()
         self._image = QImage()
@@ -59,13 +63,20 @@ class ViewContent(Content):
             head_tilt=float(np.radians(bench.head_tilt)),
             split=pane.split,
         )
-        return (lens, wearer, layer, bench.scene), partial(answer_with_scene, lens, wearer, layer, bench.scene)
+        found = partial(answer_with_scene, lens, wearer, layer, bench.scene)
+        return (lens, wearer, layer, bench.scene, self._by_vertices), partial(_seen, found, self._by_vertices)
 
-    def show_answer(self, answer: SeenScene, bench: Workbench, pane: Pane) -> None:
+    def show_answer(self, answer: tuple[SeenScene, ZonesParts | None], bench: Workbench, pane: Pane) -> None:
         if self._view is None:
             self._open_stage()
-        self.seen = answer
-        self._view.show(answer)
+        try:
+            self._view.show(*answer)
+        except VerticesNeeded:
+            self.close_stage()
+            self._by_vertices = True
+            self.wants_edit.emit("", None, "vertices")
+            return
+        self.seen = answer[0]
         self._move()
 
     def _open_stage(self) -> None:
@@ -75,7 +86,8 @@ class ViewContent(Content):
         window.SetOffScreenRendering(True)
         window.AddRenderer(renderer)
         try:
-            self._view = JitterPass(window, renderer, PASSES)
+            self._view = JitterPass(window, renderer, PASSES, by_vertices=self._by_vertices)
+            self._view.traces = False
         except LensBenchError:
             window.Finalize()
             raise
@@ -226,6 +238,11 @@ class ViewContent(Content):
         pane = bench.panes[k]
         azimuth, elevation = np.clip([pane.azimuth - left, pane.elevation + up], -80, 80).tolist()
         return bench.with_pane(k, azimuth=azimuth, elevation=elevation)
+
+
+def _seen(found: Callable[[], SeenScene], by_vertices: bool) -> tuple[SeenScene, ZonesParts | None]:
+    seen = found()
+    return seen, parts_by_zone(seen) if by_vertices else None
 
 
 def _turn_head(left: float, up: float, bench: Workbench) -> Workbench:

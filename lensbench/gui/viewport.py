@@ -76,9 +76,6 @@ class Viewport(QFrame):
         layout = QVBoxLayout(self, spacing=0)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addLayout(self._header)
-        self.misfit = QLabel(visible=False, wordWrap=True, margin=3)
-        self.misfit.setStyleSheet("background: #fbe3b8; color: #5a3b00")
-        layout.addWidget(self.misfit)
         layout.addLayout(self._stack, 1)
         self.asker.answered.connect(self._answered)
         self.asker.failed.connect(self.said)
@@ -91,6 +88,8 @@ class Viewport(QFrame):
                 box.addItem(name, key)
         for key, quantity in QUANTITIES.items():
             self.quantity.addItem(quantity.label, key)
+        self.misfit = QLabel("not as ordered", visible=False, margin=2)
+        self.misfit.setStyleSheet("background: #fbe3b8; color: #5a3b00")
         self.menu = QToolButton(text="⋯", popupMode=QToolButton.ToolButtonPopupMode.InstantPopup, autoRaise=True)
         self.menu.setMenu(QMenu(self))
         self.menu.setToolTip("Colour scale, save, copy")
@@ -102,12 +101,13 @@ class Viewport(QFrame):
         for name, box in (("Kind", self.kind), ("Quantity", self.quantity), ("Lens", self.lens), ("Eye", self.eye)):
             box.setAccessibleName(name)
             box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-            box.setMinimumContentsLength(9)
+            box.setMinimumContentsLength(6)
         self.menu.menu().aboutToShow.connect(self._offer_looks)
         self._header = QHBoxLayout(spacing=4)
         self._header.setContentsMargins(4, 3, 4, 3)
         for widget, share in (
-            (self.kind, 2), (self.quantity, 3), (self.eye, 2), (self.lens, 3), (self.state, 0), (self.menu, 0),
+            (self.kind, 2), (self.quantity, 3), (self.eye, 2), (self.lens, 3), (self.misfit, 0), (self.state, 0),
+            (self.menu, 0),
         ):  # fmt: skip
             self._header.addWidget(widget, share)
         self.kind.activated.connect(lambda: self._choose(kind=self.kind.currentData()))
@@ -182,11 +182,11 @@ class Viewport(QFrame):
             self.asker.ask(*question, (self.content, new, pane))
 
     def _say_misfit(self, bench: Workbench) -> None:
-        """Whether a lens is shown for a wearer whom it was not ordered for."""
+        """Say so where a lens is shown for a wearer whom it was not ordered for: in the header, lest pictures change size."""
         pane = bench.panes[self.k]
         shown = [lens for lens in (bench.lens_of(pane), bench.lens_less(pane)) if lens is not None]
         sentences = [misfit(lens, bench.worn_by(lens)) for lens in shown]
-        self.misfit.setText(" ".join(filter(None, sentences)))
+        self.misfit.setToolTip(" ".join(filter(None, sentences)))
         self.misfit.setVisible(any(sentences))
 
     def show_probe(self, probe: Probe | None) -> None:

@@ -9,7 +9,8 @@ from PySide6.QtCore import QEvent
 
 from lensbench.optics import gaze
 from lensbench.optics.kernels import surface, voxels
-from lensbench.session import KINDS
+from lensbench.session import KINDS, Pane
+from lensbench.views.jitter import shaders
 
 SAMPLES = Path(__file__).parents[2] / "sample_lenses"
 PLUS = SAMPLES / "sphere_plus_4_R.toml"
@@ -52,4 +53,16 @@ def test_all_that_traces_goes_through_the_lane(threads, window, settle, open_fil
     settle(window)
     qtbot.waitUntil((tmp_path / "view.exr").exists, timeout=60000)
     assert len(threads) > 50
+    assert set(threads) == {"lane"}
+
+
+def test_where_the_driver_wants_every_vertex_traced_the_lane_does_it(threads, window, settle, monkeypatch, qtbot):
+    monkeypatch.setitem(shaders.KINDS, "atlas", (shaders.KINDS["atlas"][0], "  this is no GLSL;\n", shaders.ZONE))
+    window.document.edit("View", lambda bench: replace(bench, panes=(Pane("view"), *bench.panes[1:]), split=1))
+    settle(window)
+    content = window.viewports[0].content
+    qtbot.waitUntil(lambda: content.passes > 0, timeout=60000)
+    assert content.light().max() > 0.2
+    window.document.edit("Head", lambda bench: replace(bench, head_turn=10.0))
+    settle(window)
     assert set(threads) == {"lane"}

@@ -173,10 +173,10 @@ def test_a_lens_shown_for_another_wearer_says_so(ready, settle, open_files):
     ready.document.edit("Other lens", lambda bench: bench.with_pane(0, lens=1))
     assert ready.viewports[0].misfit.isVisible()
     name = ready.document.workbench.lenses[1].lens.name
-    assert ready.viewports[0].misfit.text().startswith(f"{name} was ordered as +4.00")
+    assert ready.viewports[0].misfit.toolTip().startswith(f"{name} was ordered as +4.00")
     assert not ready.viewports[1].misfit.isVisible()
     ready.document.edit("Difference", lambda bench: bench.with_pane(1, lens=0, minus=1))
-    assert ready.viewports[1].misfit.text().startswith(name)
+    assert ready.viewports[1].misfit.toolTip().startswith(name)
 
 
 def test_space_flips_the_lenses_after_a_number_was_typed(ready, open_files, qtbot):

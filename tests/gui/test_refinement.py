@@ -85,7 +85,7 @@ def test_a_view_at_rest_is_drawn_in_all_pixels_of_its_viewport(qtbot, wide):
     for azimuth in (0.0, 0.1):
         shown.clear()
         seen = run(Request(None, Wearer(), ViewLayer("naked", azimuth), load_scene("chart")))
-        content.show_answer(seen, Workbench(), Pane("view"))
+        content.show_answer((seen, None), Workbench(), Pane("view"))
         assert not content.at_rest
         qtbot.waitUntil(lambda: content.at_rest, timeout=20000)
         sizes, passes = zip(*shown, strict=True)
@@ -102,7 +102,7 @@ def test_a_view_that_cannot_be_drawn_leaves_no_window(wide, monkeypatch):
     content, _ = wide
     ended = []
 
-    def refuse(window, *_):
+    def refuse(window, *_, **__):
         window.AddObserver("DeleteEvent", lambda *_: ended.append(True))
         raise LensBenchError("no")
 
@@ -110,7 +110,7 @@ def test_a_view_that_cannot_be_drawn_leaves_no_window(wide, monkeypatch):
     seen = run(Request(None, Wearer(), ViewLayer("naked"), load_scene("chart")))
     for _ in range(2):
         with pytest.raises(LensBenchError, match="no"):
-            content.show_answer(seen, Workbench(), Pane("view"))
+            content.show_answer((seen, None), Workbench(), Pane("view"))
     gc.collect()
     assert len(ended) == 2
     assert not content.at_rest

@@ -70,7 +70,7 @@ EDITS = {
 def table():
     """Two lenses and a wearer, the stage of a lens beside the view."""
     bench = Workbench().with_lens(SAMPLES / "sphere_minus_4_R.toml").with_lens(SAMPLES / "toric_R.toml")
-    return replace(bench, wearers=(bench.active_wearer,), lens=0, wearer=0, panes=PANES, split=2)
+    return replace(bench, wearers=(bench.active_wearer,), as_ordered=None, lens=0, wearer=0, panes=PANES, split=2)
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def assert_fresh(window, settle):
     rest(window, settle)
     bench, content = window.document.workbench, window.viewports[VIEW].content
     _, ask = content.question(bench, bench.panes[VIEW])
-    seen = ask()
+    seen, _ = ask()
     ratio = content.devicePixelRatioF()
     size = round(content.width() * ratio), round(content.height() * ratio)
     fresh = render_view(replace(seen, layer=replace(seen.layer, size=size)), PASSES)

@@ -6,9 +6,9 @@ import numpy as np
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkStringOutputWindow
 
 from ...errors import LensBenchError
-from ...layers import SeenScene
+from ...layers import SeenPart, SeenScene
 from ...optics.conventions import Floats
-from ...seen import seen_parts
+from ...seen import parts_by_zone
 from .accumulate import CardSum, MemorySum
 from .camera import camera_state, edge_in_view, frames, place_camera
 from .context import in_own_context
@@ -17,6 +17,12 @@ from .parts import image_texture, part_actor, rim_actor, twin_of, vertex_actor
 from .zones import Zone
 
 _FIRST_UNIT = 0x84C0
+
+ZonesParts = tuple[tuple[SeenPart, ...], tuple[SeenPart, ...]]
+
+
+class VerticesNeeded(LensBenchError):
+    """The driver takes the view only vertex by vertex, and nobody has traced them."""
 
 
 class JitterPass:
@@ -34,8 +40,9 @@ class JitterPass:
 
     show() places the camera. It may be turned afterwards, and moved, which moves head and lens along. Multisampling and
     frustum culling are switched off: passes smooth edges, and what stands outside the frustum is refracted into view.
-    exposure (factor on the light), paused (draw without adding, for picking) and displayed (show the mean after each pass;
-    off screen the last one is enough) may be set at any time.
+    exposure (factor on the light), paused (draw without adding, for picking), displayed (show the mean after each pass; off
+    screen the last one is enough) and traces (trace vertices here; else show() raises VerticesNeeded where it lacks them) may
+    be set at any time.
     by_vertices: exact chief rays of each vertex instead of the field's atlas: slow when lens or head change. in_memory: sum
     in the computer's memory. Both are chosen where the driver refuses the other; LensBenchError if it refuses all.
     """
@@ -51,7 +58,8 @@ class JitterPass:
         in_memory: bool = False,
     ) -> None:
         self.window, self.renderer, self.by_vertices = window, renderer, by_vertices
-        self.exposure, self.paused, self.displayed = 1.0, False, True
+        self.exposure, self.paused, self.displayed, self.traces = 1.0, False, True, True
+        self._parts: ZonesParts | None = None
         self.seen: SeenScene | None = None
         self._drawn: tuple[Any, ...] = ()
         self.sample(passes, seed)
@@ -74,9 +82,12 @@ class JitterPass:
         self.reset()
 
     @in_own_context
-    def show(self, seen: SeenScene) -> None:
-        """Show a scene as this eye sees it; the picture begins anew. What is as before stays on the graphics card."""
-        before, self.seen = self.seen, seen
+    def show(self, seen: SeenScene, parts: ZonesParts | None = None) -> None:
+        """Show a scene as this eye sees it; the picture begins anew. What is as before stays on the graphics card.
+
+        parts: its vertices one by one, where they were traced beforehand (seen.parts_by_zone).
+        """
+        before, self.seen, self._parts = self.seen, seen, parts
         if before is None or self.by_vertices or seen.scene is not before.scene:
             self._set_scene(seen)
         self._set_reach(seen.eye)
@@ -129,6 +140,11 @@ class JitterPass:
             zone.release()
         self._sum.release()
 
+    def _traced(self, seen: SeenScene) -> ZonesParts:
+        if not self.traces:
+            raise VerticesNeeded("the graphics driver refused the shader of the view: it needs each vertex traced")
+        return parts_by_zone(seen)
+
     def _new_zones(self) -> tuple[Zone, Zone, Zone]:
         kind = "vertices" if self.by_vertices else "atlas"
         return Zone(self.window, kind), Zone(self.window, kind, -1), Zone(self.window, "rim")
@@ -144,14 +160,13 @@ class JitterPass:
         self.renderer.SetBackground(*(code / 255 for code in seen.scene.background))
         self._added = []
         textures = [image_texture(part.image) for part in seen.scene.drawn]
-        for zone, lens in zip(self._zones, (seen.lens, None), strict=False):
-            if not self.by_vertices:
-                actors = [part_actor(*pair) for pair in zip(seen.scene.drawn, textures, strict=True)]
-            elif zone.side > 0 or seen.around is not None:
-                actors = [vertex_actor(*pair) for pair in zip(seen_parts(seen, lens), textures, strict=True)]
-            else:
-                actors = []
-            self._fill(zone, actors)
+        if self.by_vertices:
+            found = self._parts or self._traced(seen)
+            actors = [[vertex_actor(*pair) for pair in zip(parts, textures, strict=False)] for parts in found]
+        else:
+            actors = [[part_actor(*pair) for pair in zip(seen.scene.drawn, textures, strict=True)] for _ in range(2)]
+        for zone, of_zone in zip(self._zones, actors, strict=False):
+            self._fill(zone, of_zone)
         self._set_rim(seen)
 
     def _set_reach(self, eye: Floats) -> None:
