@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from PySide6.QtCore import QObject, Signal
 
-from ..layers import Layer, PointsLayer, Probe, ProbeLayer, VerificationLayer
+from ..layers import PointsLayer, Probe, ProbeLayer, VerificationLayer
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..quantities import QUANTITIES
@@ -102,7 +102,7 @@ def _layer(bench: Workbench, pane: Pane, at: Place) -> ProbeLayer:
     return ProbeLayer(None, at.direction, "scene", bench.accommodation, *head)
 
 
-def _read(worn: list[tuple[Lens, Wearer]], layer: Layer, scene: str) -> Reading:
+def _read(worn: list[tuple[Lens, Wearer]], layer: ProbeLayer, scene: str) -> Reading:
     """The reading of the first worn lens; of a map's quantity its value less that of the second, if there is one."""
     (lens, wearer), *less = worn
     probe = answer_with_scene(lens, wearer, layer, scene)
