@@ -120,8 +120,6 @@ def defocus_view(seen: SeenScene, measure: str = "defocus") -> DefocusView:
     measure: "defocus", GazeField.defocus; "ellipse_diagonal", that of Kakimoto, Tatsukawa & Nishita 2010, section 5.3, as
     the angle in which it appears from the lens. Raises InputError for another one.
     """
-    from .scenes.cast import first_hit
-
     if measure not in MEASURES:
         raise InputError(f"measure: {measure!r} is none of {', '.join(MEASURES)}")
     width, height = seen.layer.size
@@ -131,11 +129,26 @@ def defocus_view(seen: SeenScene, measure: str = "defocus") -> DefocusView:
     if seen.layer.split:
         inside &= np.tile(right_half(width), height)
     if inside.any():
-        field = trace(seen.lens, seen.wearer, gaze[inside])
-        start = (field.origin - seen.eye) @ seen.head.T + seen.eye
-        distance = first_hit(seen.scene, start, field.direction @ seen.head.T)
+        field, _, distance = _met(seen, gaze[inside])
         met = np.isfinite(distance)
         there = np.where(met, distance, 1e6), seen.layer.accommodation
         blur = field.defocus(*there) if measure == "defocus" else ellipse_diagonal(field.angular_blur(*there))
         values[inside] = np.where(met, blur, np.nan)
     return DefocusView(seen.layer, values.reshape(height, width), measure)
+
+
+def middle_distance(seen: SeenScene) -> float:
+    """Distance (mm) from the cornea of the eye looking straight ahead to what the picture's middle shows; NaN for nothing."""
+    _, point, distance = _met(seen, seen.frame[2:] @ seen.head)
+    apex = np.array([0.0, 0.0, seen.wearer.corneal_apex])
+    return float(np.linalg.norm(point[0] - apex)) if np.isfinite(distance[0]) else np.nan
+
+
+def _met(seen: SeenScene, gaze: Floats) -> tuple[GazeField, Floats, Floats]:
+    """Chief rays of gazes (n, 3) in the head's frame; the points (n, 3) of the scene that they meet first, and how far (n,)."""
+    from .scenes.cast import first_hit
+
+    field = trace(seen.lens, seen.wearer, gaze)
+    start, ray = (field.origin - seen.eye) @ seen.head.T + seen.eye, field.direction @ seen.head.T
+    distance = first_hit(seen.scene, start, ray)
+    return field, start + np.where(np.isfinite(distance), distance, np.nan)[:, None] * ray, distance

@@ -130,6 +130,49 @@ def test_ellipses_name_eye_pupil_and_rule_and_are_drawn_as_asked(tmp_path):
     assert max(row["x_mm"] for row in rows) == pytest.approx(naked_reach, rel=0.25)
 
 
+MISFIT = ["-w", str(SAMPLES / "presbyope_60.toml")]
+NEAR = str(SAMPLES / "wide_near_R.toml")
+ORDERED = "was ordered as -3.00 / -1.00 x 30 D, but this wearer's prescription"
+
+
+def test_a_lens_on_a_wearer_it_was_not_ordered_for_is_said(tmp_path, monkeypatch, capsys):
+    captions = []
+    monkeypatch.setattr("lensbench.views.jitter.Studio.picture", lambda *_: np.zeros((4, 4, 3), np.uint8))
+    monkeypatch.setattr(
+        "lensbench.views.jitter.picture.captioned", lambda picture, lines: captions.append(lines) or picture
+    )
+    wanted = {"map.svg": ["map", NEAR, "-d", "40cm"], "eoc.svg": ["eoc", NEAR, "-n", "4"], "view.png": ["view", NEAR]}
+    for name, verb in wanted.items():
+        assert main([*verb, *MISFIT, "-o", str(tmp_path / name)]) == 0
+        said = capsys.readouterr().err
+        assert said.startswith("lensbench: ")
+        assert ORDERED in said
+        text = " ".join(captions[-1]) if name == "view.png" else " ".join((tmp_path / name).read_text().split())
+        for words in ("Wide-near progressive", "Emmetropic presbyope, 60 years: eye +0.00 D", "was ordered as -3.00"):
+            assert words in text, name
+    assert "objects at 40 cm" in (tmp_path / "map.svg").read_text()
+    assert "6.0 m from the eye" in captions[0][0]
+    for verb in (
+        *wanted.values(),
+        ["map", NEAR, "-q", "thickness", *MISFIT],
+        ["view", NEAR, "--eye", "naked", *MISFIT],
+    ):
+        assert main([*verb, "-o", str(tmp_path / "fits.png")]) == 0
+        assert not capsys.readouterr().err
+
+
+def test_a_caption_stands_below_a_view_of_the_size_that_was_asked_for(tmp_path):
+    pictures = []
+    for name, bare in (("captioned", []), ("bare", ["--bare"])):
+        assert main(["view", REGULAR, *SMALL, *bare, "-o", str(tmp_path / f"{name}.png")]) == 0
+        with Image.open(tmp_path / f"{name}.png") as picture:
+            pictures.append(np.asarray(picture))
+    captioned, bare = pictures
+    assert bare.shape == (48, 64, 3)
+    np.testing.assert_array_equal(captioned[:48], bare)
+    assert (captioned[48:] < 100).any()
+
+
 def test_a_conoid_in_numbers_along_the_ray_and_as_a_picture(tmp_path, capsys):
     toric, wearer = str(SAMPLES / "toric_R.toml"), str(SAMPLES / "young_astigmat.toml")
     wanted = ["conoid", toric, "-w", wearer, "--gaze", "15", "-20", "-d", "27cm"]

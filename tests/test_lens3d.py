@@ -146,7 +146,23 @@ def test_exaggeration_is_stated_and_applied():
 @pytest.mark.parametrize(("half", "factor"), [(4.0, 1.0), (0.9, 5.0), (0.02, 200.0), (40.0, 0.1), (0.0, 1.0)])
 def test_automatic_exaggeration_fills_the_grid(half, factor):
     x, y = (a.ravel() for a in np.meshgrid(*[np.arange(-50.0, 51.0, 10.0)] * 2))
-    assert ellipses.fitting_exaggeration(a_sheet(x, y, half, half / 2)) == factor
+    assert ellipses.fitting_exaggeration([a_sheet(x, y, half, half / 2)]) == factor
+
+
+def test_panels_are_compared_at_one_scale():
+    """Sheets of one angular pattern look alike; half the angle is half as large: one field of view, one factor."""
+    x, y = (a.ravel() for a in np.meshgrid(*[np.arange(-50.0, 51.0, 10.0)] * 2))
+    behind = WEARER.eye.centre_of_rotation
+    near, far = a_sheet(x, y, 0.9, 0.9, 300.0), a_sheet(10 * x, 10 * y, 4.5, 4.5, 10 * (300.0 + behind) - behind)
+    assert [ellipses.fitting_exaggeration([sheet]) for sheet in (near, far)] == [5.0, 10.0]
+    assert ellipses.fitting_exaggeration([near, far]) == 5.0
+    figure = ellipses.ellipse_figure(a_lens(), WEARER, [near, far])
+    titles = [axes.get_title() for axes in figure.axes[:2]]
+    assert [title.split(", ")[1] for title in titles] == ["ellipses ×5", "ellipses ×5"]
+    reach = [np.ptp(axes.get_xlim()) for axes in figure.axes[:2]]
+    assert reach[1] / reach[0] == pytest.approx(10.0, rel=1e-6)
+    nothing = replace(near, status=np.full(near.status.size, Status.MISSED_BACK, dtype=np.int8))
+    assert ellipses.fitting_exaggeration([near, nothing]) == 5.0
 
 
 def test_failed_rays_have_no_ellipse():

@@ -45,6 +45,42 @@ def colour_at(figure, x, y, axes=0):
     return picture[round(picture.shape[0] - row), int(column)].astype(float)
 
 
+def a_few_points():
+    """Five readings on a lens, as somebody takes them by focimeter: no four of them make a cell."""
+    x, y = np.array([0.0, 2.5, 20.0]), np.array([-13.0, 3.0, 8.0])
+    values = np.full((3, 3), np.nan)
+    for j, i, value in ((0, 0, -0.18), (0, 1, 0.06), (1, 0, 0.3), (2, 0, -0.06), (1, 2, 0.18)):
+        values[j, i] = value
+    return LensMap("mean_error", "Mean power", "D", x, y, values, np.zeros((3, 3), np.int8))
+
+
+def test_a_few_readings_are_drawn_as_points_with_their_values():
+    few = a_few_points()
+    figure = maps.map_figure(a_lens(points=Points()), few, 0.12)
+    bands = banding.map_bands(a_lens(), few, 0.12)
+    for j, i in np.argwhere(np.isfinite(few.values)):
+        colour = 255 * bands.colours[int(bands.rank(few.values[j, i]))]
+        assert colour_at(figure, few.x[i], few.y[j]) == pytest.approx(colour, abs=2)
+        assert f"{few.values[j, i]:+.2f}" in texts(figure)
+    assert colour_at(figure, 10, -4) == pytest.approx([255, 255, 255])
+
+
+def test_maps_and_grids_of_readings_are_not_points():
+    assert maps.scattered(a_few_points().values)
+    assert not maps.scattered(a_map(lambda x, y: x).values)
+    assert not maps.scattered(np.ones((3, 3)))
+    assert not maps.scattered(np.full((3, 3), np.nan))
+
+
+def test_who_looks_stands_in_small_print_below_the_map():
+    notes = "Somebody: eye -1.00 D", "The lens was ordered for another"
+    plain, noted = (maps.map_figure(a_lens(), a_map(lambda x, y: x / 10), notes=n) for n in ((), notes))
+    assert texts(noted).count("Somebody: eye -1.00 D") == 1
+    assert noted.get_figheight() == pytest.approx(plain.get_figheight() + 2 * maps.LINE)
+    below = [t for t in noted.findobj(Text) if t.get_text() in notes]
+    assert max(t.get_position()[1] for t in below) < noted.axes[0].get_position().y0
+
+
 def texts(figure):
     return " | ".join(t.get_text() for t in figure.findobj(Text))
 

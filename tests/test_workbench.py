@@ -30,7 +30,7 @@ from lensbench.optics.materials import MATERIALS
 from lensbench.optics.object_distance import model_distance, proximity
 from lensbench.quantities import QUANTITIES, Quantity
 from lensbench.scenes.scene import Look, Part, Scene
-from lensbench.seen import seen_parts
+from lensbench.seen import middle_distance, seen_parts
 from lensbench.workbench import assumed_wearer, look, run
 
 SAMPLES = Path(__file__).parent.parent / "sample_lenses"
@@ -255,6 +255,16 @@ def test_a_map_of_the_papers_diagonal_is_that_of_the_ellipses(progressive, weare
     axes = field.eoc(400.0)
     expected = np.degrees(2 * np.hypot(axes.semi_major, axes.semi_minor)[0] / 400.0) * 60
     assert seen.values[9, 12] == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("elevation", [0.0, 0.2])
+def test_the_middle_of_a_view_is_as_far_as_what_it_shows(wearer, elevation):
+    seen = run(Request(None, wearer, ViewLayer("naked", elevation=elevation), Scene("wall", (WALL,))))
+    to_wall = 1500.0 - wearer.centre_of_rotation[2]
+    expected = np.hypot(1500.0 - wearer.corneal_apex, to_wall * np.tan(elevation))
+    assert middle_distance(seen) == pytest.approx(expected, abs=0.01)
+    aside = run(Request(None, wearer, ViewLayer("naked", azimuth=1.2), Scene("wall", (WALL,))))
+    assert np.isnan(middle_distance(aside))
 
 
 def test_the_nose_is_on_the_other_side_of_a_left_lens(progressive, wearer):

@@ -22,6 +22,7 @@ from .options import (
     lens_and_wearer,
     load_case,
     output_option,
+    say_misfit,
     scene_of,
     scene_options,
     unsaid,
@@ -117,6 +118,7 @@ def _add_voxels(verbs: Any) -> None:
 def write_map(args: argparse.Namespace) -> None:
     """lensbench map LENS."""
     from ..layers import MapLayer, Request
+    from ..quantities import QUANTITIES
     from ..report.tables import map_csv, map_numbers
     from ..workbench import run
 
@@ -125,6 +127,8 @@ def write_map(args: argparse.Namespace) -> None:
     scene = scene_of(args) if args.distance == "scene" else None
     layer = MapLayer(args.quantity, args.distance, accommodation(args.accommodation))
     result = run(Request(lens, wearer, layer, scene))
+    if not QUANTITIES[result.quantity].about:
+        say_misfit(lens, wearer)
     if kind in MESHES and not args.json:
         write(args.output, _map_mesh(args, kind, lens, wearer, result))
         return
@@ -134,16 +138,19 @@ def write_map(args: argparse.Namespace) -> None:
 
 def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> Any:
     from ..quantities import QUANTITIES
+    from ..report.facts import small_print
     from ..report.tables import distance_text
 
-    subtitle = QUANTITIES[result.quantity].about or distance_text(args.distance)
+    about = QUANTITIES[result.quantity].about
+    subtitle = about or distance_text(args.distance)
+    notes = () if about else small_print(lens, wearer, accommodation(args.accommodation))
     if args.on_lens:
         from ..views.lens3d import map_on_lens
 
-        return map_on_lens(lens, wearer, result, subtitle=subtitle)
+        return map_on_lens(lens, wearer, result, subtitle=subtitle, notes=notes)
     from ..views.maps import map_figure
 
-    return map_figure(lens, result, subtitle=subtitle)
+    return map_figure(lens, result, subtitle=subtitle, notes=notes)
 
 
 def _map_mesh(args: argparse.Namespace, kind: str, lens: "Lens", wearer: "Wearer", result: Any) -> bytes:
@@ -216,16 +223,17 @@ def write_ellipses(args: argparse.Namespace) -> None:
     lens, wearer = load_case(args)
     layer = EllipseLayer(tuple(args.depths), args.n, args.fov, accommodation(args.accommodation))
     sheets = run(Request(lens, wearer, layer))
+    say_misfit(lens, wearer)
     picture = partial(_ellipse_picture, args, lens, wearer, sheets)
     deliver(args, kind, ellipse_rows(sheets), partial(ellipses_csv, sheets), picture)
 
 
 def _ellipse_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", sheets: Any) -> Any:
-    from ..report.facts import viewer_text
+    from ..report.facts import small_print
     from ..views.ellipses import ellipse_figure
 
-    about = viewer_text(wearer, accommodation(args.accommodation))
-    return ellipse_figure(lens, wearer, sheets, args.exaggeration, subtitle=about)
+    notes = small_print(lens, wearer, accommodation(args.accommodation))
+    return ellipse_figure(lens, wearer, sheets, args.exaggeration, notes=notes)
 
 
 def write_voxels(args: argparse.Namespace) -> None:

@@ -225,6 +225,14 @@ def load_case(args: argparse.Namespace) -> tuple["Lens", "Wearer"]:
     return _case(args, bench, bench.lenses[bench.lens].lens)
 
 
+def say_misfit(lens: "Lens", wearer: "Wearer") -> None:
+    """Say on standard error that the lens was ordered for another wearer, where it was."""
+    from ..report.facts import misfit
+
+    if doubt := misfit(lens, wearer):
+        print(f"lensbench: {doubt}", file=sys.stderr)
+
+
 def is_session(path: Path) -> bool:
     """Whether a file is a session, by its name."""
     return path.name.endswith(".lensbench.json")

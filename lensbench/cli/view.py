@@ -17,6 +17,7 @@ from .options import (
     lens_and_wearer,
     load_case,
     measure_option,
+    say_misfit,
     scene_of,
     scene_options,
     unsaid,
@@ -67,6 +68,7 @@ def _view_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--defocus", choices=["veil", "colours"], help="draw the defocus map over it, with its scale")
     measure_option(verb)
     verb.add_argument("--size", type=int, nargs=2, default=(960, 720), metavar=("W", "H"))
+    verb.add_argument("--bare", action="store_true", help="no caption of lens, wearer and distance below")
     verb.add_argument("--fov", type=float, default=50.0, help="horizontal field of view, degrees (50)")
     verb.add_argument("--passes", type=count, default=48, help="pictures blended for the blur (48)")
     verb.add_argument("--seed", type=int, default=0, help="order of the pupil's points (0)")
@@ -157,18 +159,24 @@ def _request(args: argparse.Namespace, head: tuple[float, float] | None = None) 
         args.eye, *gaze, math.radians(args.fov / 2), tuple(args.size), accommodation(args.accommodation),
         math.radians(turn), math.radians(tilt), args.split,
     )  # fmt: skip
+    if layer.through_lens:
+        say_misfit(lens, wearer)
     return Request(lens, wearer, layer, scene)
 
 
 def _pictures(args: argparse.Namespace, studio: Any, requests: "list[Request]") -> list[Any]:
-    """The pictures of several requests, under the defocus map and above its scale where the options ask for it."""
+    """The pictures of several requests, under the defocus map and above its scale where the options ask for it, each with a
+    caption."""
     from ..layers import DefocusLayer
+    from ..report.facts import view_text
+    from ..views.jitter.picture import captioned
     from ..workbench import run
 
-    drawn = [studio.picture(run(r), args.passes, args.seed, 2.0**args.exposure) for r in requests]
-    if not args.defocus:
-        return drawn
-    from ..views.defocus import under_scale
+    seen = [run(request) for request in requests]
+    drawn = [studio.picture(each, args.passes, args.seed, 2.0**args.exposure) for each in seen]
+    if args.defocus:
+        from ..views.defocus import under_scale
 
-    found = [run(replace(r, layer=DefocusLayer(r.layer, args.measure or "defocus"))) for r in requests]
-    return under_scale(drawn, found, args.defocus)
+        found = [run(replace(r, layer=DefocusLayer(r.layer, args.measure or "defocus"))) for r in requests]
+        drawn = under_scale(drawn, found, args.defocus)
+    return drawn if args.bare else [captioned(p, view_text(each)) for p, each in zip(drawn, seen, strict=True)]

@@ -159,7 +159,8 @@ class EllipsesContent(SpaceContent):
         lens = bench.lens_of(pane)
         wearer = bench.worn_by(lens)
         bands = ellipse_bands(answer, wearer)
-        sheets = [(sheet, fitting_exaggeration(sheet)) for sheet in answer]
+        common = fitting_exaggeration(answer)
+        sheets = [(sheet, common) for sheet in answer]
 
         def put(plotter: Any) -> None:
             corners = draw_ellipses(plotter, lens, wearer, sheets, bands)

@@ -232,6 +232,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
     """Everything that the report shows as numbers, for machines."""
     from ..views.ellipses import fitting_exaggeration
 
+    exaggeration = fitting_exaggeration(findings.ellipses)
     return {
         "format": "lensbench-results/1",
         "lensbench": __version__,
@@ -247,7 +248,7 @@ def results(lens: Lens, wearer: Wearer, findings: Findings) -> dict[str, Any]:
         "maps": {name: map_numbers(m) for name, m in findings.maps.items()},
         "defocus": {distance_text(d): map_numbers(m) for d, m in findings.defocus.items()},
         "ellipses": [
-            {k: v for k, v in asdict(sheet).items() if k != "spokes"} | {"exaggeration": fitting_exaggeration(sheet)}
+            {k: v for k, v in asdict(sheet).items() if k != "spokes"} | {"exaggeration": exaggeration}
             for sheet in findings.ellipses
         ],
         "distortion": distortion_numbers(findings.distortion),

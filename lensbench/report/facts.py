@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..formats.surface_data import Reading
+from ..layers import SeenScene
 from ..optics.conventions import Floats, astigmatism, mean_power, sphere_cylinder_axis
 from ..optics.eye import Wear, Wearer
 from ..optics.field import Accommodation
@@ -13,6 +14,7 @@ from ..optics.lens import Lens, Order
 from ..optics.lensmeter import surface_power
 from ..scenes.facts import scene_facts
 from ..scenes.scene import Scene
+from ..seen import middle_distance
 
 
 class Fact(NamedTuple):
@@ -53,6 +55,30 @@ def viewer_text(wearer: Wearer, rule: Accommodation) -> str:
     power, amplitude = prescription_text(eye.refraction), f"{eye.accommodation:.2f}"
     focus = f"accommodation rule {rule}" if isinstance(rule, str) else f"accommodating {np.mean(rule):.2f} D"
     return f"eye {power} D, amplitude {amplitude} D, pupil {eye.pupil_diameter:.3g} mm, {focus}"
+
+
+def small_print(lens: Lens | None, wearer: Wearer, rule: Accommodation) -> tuple[str, ...]:
+    """What a picture's small print says of who looks, a text a line: the wearer, and a lens ordered for another one."""
+    name = f"{wearer.name}: " if wearer.name else ""
+    doubt = misfit(lens, wearer) if lens else ""
+    return (name + viewer_text(wearer, rule), *([doubt] if doubt else []))
+
+
+def view_text(seen: SeenScene) -> tuple[str, ...]:
+    """What a simulated view shows, a text a line: scene and lens, how far away its middle is, and who looks."""
+    layer = seen.layer
+    through = f"through {seen.lens.name or 'the lens'}" if seen.lens else "without a lens"
+    sharp = ", nothing blurred" if layer.sharp else ""
+    away = middle_distance(seen)
+    middle = f", {away_text(away)} from the eye" if np.isfinite(away) else ""
+    where = f"{seen.scene.name.capitalize()}: {gaze_text(layer.azimuth, layer.elevation)} in the middle{middle}"
+    wide = f"{np.degrees(2 * layer.half_width):.0f}° wide"
+    return (f"{where}, {wide}; {through}{sharp}", *small_print(seen.lens, seen.wearer, layer.accommodation))
+
+
+def away_text(distance: float) -> str:
+    """How far away something is (mm), for a reader."""
+    return f"{distance / 10:.0f} cm" if distance < 995 else f"{distance / 1000:.1f} m"
 
 
 RULES = {

@@ -20,6 +20,7 @@ from ..views.jitter import Studio
 from ..views.jitter.light import Pixels
 from ..views.jitter.picture import letters
 from ..workbench import look, run
+from .facts import away_text
 
 FIELD = float(np.radians(86.0))  # nearly the whole of a spectacle lens
 INK, FAINT = (32, 36, 40), (96, 102, 108)
@@ -126,7 +127,7 @@ def contact_sheet(scenes: Sequence[Scene], passes: int = 16, size: tuple[int, in
             for k, (name, what) in enumerate(scene.looks.items()):
                 x = _MARGIN + k * cell[0]
                 sheet.paste(Image.fromarray(_sharp(studio, scene, what, size, passes)), (x, y + head))
-                caption = f"{name}, {_metres(what)}"
+                caption = f"{name}, {away_text(what.distance)}"
                 pen.text((x, y + head + size[1] + letter), caption, FAINT, letters("", letter), "lm")
     return np.asarray(sheet)
 
@@ -136,8 +137,3 @@ def _sharp(studio: Studio, scene: Scene, what: Look, size: tuple[int, int], pass
     x, y, z = np.array(what.target) - wearer.centre_of_rotation
     layer = ViewLayer("perfect", float(np.arctan2(x, z)), float(np.arctan2(y, np.hypot(x, z))), size=size)
     return studio.picture(run(Request(None, wearer, layer, scene)), passes)
-
-
-def _metres(what: Look) -> str:
-    distance = what.distance / 1000
-    return f"{100 * distance:.0f} cm" if distance < 0.995 else f"{distance:.1f} m"

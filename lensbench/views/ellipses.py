@@ -29,27 +29,32 @@ def ellipse_figure(
     sheets: Sequence[EllipseSheet],
     exaggeration: float | None = None,
     panel: float = 3.9,
-    subtitle: str = "",
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Ellipses of confusion, one panel a depth (three in a row), as the wearer looks at them: straight ahead, the wearer's
     right (-x) to the right. Coloured by the major diameter seen from the centre of rotation (arcmin). lens None: the
-    naked eye.
+    naked eye. All panels show one field of view and exaggerate alike: what is larger in a panel is larger for the eye.
 
-    exaggeration: of all ellipses; None: true scale, or where they would be lost or overlap the factor in the panel's title.
-    panel: side of a panel in inches of 100 pixels.
+    exaggeration: of all ellipses; None: see fitting_exaggeration. panel: side of a panel in inches of 100 pixels. notes:
+    small print (who looks).
     """
     columns, rows = min(len(sheets), 3), -(-len(sheets) // 3)
-    across, up = 0.85 + columns * (panel + 0.75) + 0.95, 1.0 + rows * (panel + 0.95)
+    across = 0.85 + columns * (panel + 0.75) + 0.95
+    low = maps.LINE * len(maps.wrapped(across, notes))
+    up = 1.0 + rows * (panel + 0.95) + low
     figure = maps.blank_figure(across, up)
-    angles, bands = [angular_diameters(sheet, wearer) for sheet in sheets], ellipse_bands(sheets, wearer)
-    for k, (sheet, angle) in enumerate(zip(sheets, angles, strict=True)):
+    bands, factor = ellipse_bands(sheets, wearer), exaggeration or fitting_exaggeration(sheets)
+    reach = 1.04 * max(_reach(sheet, wearer, factor) for sheet in sheets)
+    for k, sheet in enumerate(sheets):
         left, bottom = 0.85 + (k % 3) * (panel + 0.75), up - 1.0 - (k // 3 + 1) * (panel + 0.95) + 0.75
         axes = maps.place(figure, left, bottom, panel, panel)
-        _draw_sheet(axes, sheet, angle, bands, exaggeration or fitting_exaggeration(sheet))
-    maps.colour_bar(maps.place(figure, across - 0.85, 0.95, 0.18, panel - 0.4), bands, "arcmin")
-    maps.titles(figure, 0.85 / across, "Ellipses of confusion", lens.name if lens else "naked eye", subtitle)
+        _draw_sheet(axes, sheet, wearer, bands, (factor, reach))
+    maps.colour_bar(maps.place(figure, across - 0.85, 0.95 + low, 0.18, panel - 0.4), bands, "arcmin")
+    maps.titles(figure, 0.85 / across, "Ellipses of confusion", lens.name if lens else "naked eye")
     eye = "naked" if lens is None else EYE[lens.side]
-    maps.small_print(figure, f"{eye} eye, as the wearer sees it; colour: major diameter seen from the eye")
+    scale = f"all panels {np.degrees(2 * np.arctan(reach)):.0f}° wide; " if len(sheets) > 1 else ""
+    seen = f"{eye} eye, as the wearer sees it; {scale}colour: major diameter seen from the eye"
+    maps.small_print(figure, *notes, seen)
     return figure
 
 
@@ -58,26 +63,46 @@ def ellipse_bands(sheets: Iterable[EllipseSheet], wearer: Wearer) -> Bands:
     return value_bands("defocus", np.concatenate([angular_diameters(sheet, wearer) for sheet in sheets]))
 
 
-def fitting_exaggeration(sheet: EllipseSheet) -> float:
-    """1 where large ellipses are 0.6 to 1.3 times as wide as they are apart, else what makes them at most 1.3 times."""
+def fitting_exaggeration(sheets: Iterable[EllipseSheet]) -> float:
+    """One factor for sheets that are compared: 1 where the large ellipses of the most blurred one are 0.6 to 1.3 times as
+    wide as they are apart, else what makes them at most 1.3 times.
+    """
+    factor = min(_fitting(sheet) for sheet in sheets)
+    return factor if np.isfinite(factor) else 1.0
+
+
+def _fitting(sheet: EllipseSheet) -> float:
+    """What suits one sheet; infinite where it has no ellipse to draw."""
     passed = passing(sheet)
     if not passed.any():
-        return 1.0
+        return np.inf
     spread = np.ptp(sheet.centre[passed, :2], axis=0) / max(np.sqrt(sheet.status.size) - 1, 1)
     large = 2 * np.percentile(sheet.semi_major[passed], 95)
     share = large / spread.max() if spread.max() > 0 else 0.0
-    if 0.6 <= share <= 1.3 or share == 0.0:
+    if share == 0.0:
+        return np.inf
+    if 0.6 <= share <= 1.3:
         return 1.0
     return float(_FACTORS[max(np.searchsorted(_FACTORS, 1.3 / share, "right") - 1, 0)])
 
 
-def _draw_sheet(axes: Axes, sheet: EllipseSheet, angle: Floats, bands: Bands, exaggeration: float) -> None:
-    """One depth: filled ellipses in cm, x rising to the left as the wearer looks."""
+def _reach(sheet: EllipseSheet, wearer: Wearer, exaggeration: float) -> float:
+    """How far from straight ahead the ellipses of a sheet reach: a tangent, seen from the centre of rotation."""
+    outlines = ellipse_outlines(sheet, exaggeration)[..., :2]
+    return float(np.abs(outlines).max(initial=1.0)) / (sheet.depth + wearer.eye.centre_of_rotation)
+
+
+def _draw_sheet(axes: Axes, sheet: EllipseSheet, wearer: Wearer, bands: Bands, scale: tuple[float, float]) -> None:
+    """One depth: filled ellipses in cm, x rising to the left as the wearer looks. scale: exaggeration, and tangent of half
+    the field of view that the panel shows.
+    """
+    exaggeration, reach = scale
     outlines = ellipse_outlines(sheet, exaggeration)[..., :2] / 10
+    angle = angular_diameters(sheet, wearer)
     faces = bands.colours[np.clip(bands.rank(angle[passing(sheet)]).astype(int), 0, len(bands.colours) - 1)]
     axes.add_collection(PolyCollection(outlines, facecolors=faces, edgecolors=0.5 * faces, linewidths=0.5))
-    reach = 1.04 * np.abs(outlines).max(initial=1.0)
-    axes.set(xlim=(reach, -reach), ylim=(-reach, reach), aspect="equal", ylabel="y, cm")
+    half = reach * (sheet.depth + wearer.eye.centre_of_rotation) / 10
+    axes.set(xlim=(half, -half), ylim=(-half, half), aspect="equal", ylabel="y, cm")
     axes.set_xlabel("wearer's left ←   x, cm   → right")
     axes.set_title(_sheet_title(sheet, exaggeration), size=11, color=INK)
     maps.calm(axes)
@@ -104,7 +129,8 @@ def ellipse_stack(
     """
     figure = maps.blank_figure(size[0] / 100, size[1] / 100)
     bands = ellipse_bands(sheets, wearer)
-    groups = _scenes([(sheet, exaggeration or fitting_exaggeration(sheet)) for sheet in sheets])
+    factor = exaggeration or fitting_exaggeration(sheets)
+    groups = _scenes([(sheet, factor) for sheet in sheets])
     room = (size[0] - 100) // len(groups), size[1] - 100
     for k, group in enumerate(groups):
         plotter = stage(room)

@@ -1,5 +1,6 @@
 """The worn lens in space, with a map on its front surface."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -29,30 +30,35 @@ def map_on_lens(
     wearer: Wearer,
     lens_map: LensMap,
     size: tuple[int, int] = (800, 600),
-    step: float | None = None,
     limits: tuple[float, float] | None = None,
     subtitle: str = "",
+    notes: Sequence[str] = (),
 ) -> NDArray[np.uint8]:
     """The worn lens (wear frame) obliquely from the front, the map as bands and isolines on it; picture (h, w, 3).
 
-    size: (width, height) pixels; step, limits: as in maps.map_figure.
+    size: (width, height) pixels; limits, notes: as in maps.map_figure.
     """
     mesh = lens_mesh(lens, wearer.wear)
-    bands = map_bands(lens, lens_map, step, limits)
-    room = size[0] - 100, size[1] - 100
+    bands = map_bands(lens, lens_map, None, limits)
+    foot = FOOT + round(100 * maps.LINE * len(maps.wrapped(size[0] / 100, notes)))
+    room = size[0] - 100, size[1] - 70 - foot
     plotter = stage(room)
     for actor in lens_actors(lens, wearer, mesh, (lens_map, bands)):
         plotter.add_actor(actor, reset_camera=False)
     look_at_lens(plotter, mesh, lens.side)
     figure = maps.blank_figure(size[0] / 100, size[1] / 100)
-    _name_sides(figure, plotter, mesh, lens.side, room)
-    figure.figimage(snapshot(plotter), 0, FOOT, origin="upper", zorder=-1)
+    _name_sides(figure, plotter, mesh, lens.side, (*room, foot))
+    figure.figimage(snapshot(plotter), 0, foot, origin="upper", zorder=-1)
     maps.titles(figure, 0.03, lens_map.label, lens.name, subtitle)
     if np.isfinite(lens_map.values).any():
-        maps.colour_bar(maps.place(figure, size[0] / 100 - 0.95, 0.7, 0.2, size[1] / 100 - 1.9), bands, lens_map.unit)
+        maps.colour_bar(
+            maps.place(figure, size[0] / 100 - 0.95, foot / 100 + 0.4, 0.2, (size[1] - foot) / 100 - 1.6),
+            bands,
+            lens_map.unit,
+        )
     else:
         figure.text(0.03, 0.06, "no ray passes: the lens is bare", size=10, color=INK)
-    maps.small_print(figure, f"{EYE[lens.side]} lens as worn, seen from the front, above and the temporal side")
+    maps.small_print(figure, *notes, f"{EYE[lens.side]} lens as worn, seen from the front, above and the temporal side")
     return maps.figure_array(figure)
 
 
@@ -167,9 +173,12 @@ def in_view(plotter: pv.Plotter, points: Floats) -> Floats:
     return seen[:, :2] / seen[:, 3:]
 
 
-def _name_sides(figure: Figure, plotter: pv.Plotter, mesh: LensMesh, side: str, room: tuple[int, int]) -> None:
-    """Write "nasal" and "temporal" beside the lens: at -x on the left, at +x on the right of the picture."""
-    pixels = (in_view(plotter, mesh.edge.points) + 1) / 2 * room + [0, FOOT]
+def _name_sides(figure: Figure, plotter: pv.Plotter, mesh: LensMesh, side: str, room: tuple[int, int, int]) -> None:
+    """Write "nasal" and "temporal" beside the lens: at -x on the left, at +x on the right of the picture.
+
+    room: width and height of the stage, height of what is below it, pixels.
+    """
+    pixels = (in_view(plotter, mesh.edge.points) + 1) / 2 * room[:2] + [0, room[2]]
     words = ("temporal", "nasal") if side == "R" else ("nasal", "temporal")
     for word, align, gap, last in zip(words, ("right", "left"), (-8, 8), (np.argmin, np.argmax), strict=True):
         spot = (pixels[last(pixels[:, 0])] + [gap, 0]) / figure.get_size_inches() / 100

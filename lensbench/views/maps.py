@@ -3,8 +3,10 @@
 Every map is seen from in front of the wearer: +x (the wearer's left) to the right of the picture, +y up.
 """
 
+from collections.abc import Iterable, Sequence
 from io import BytesIO
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,8 @@ from .bands import Bands, extended, map_bands
 
 INK, QUIET = "#202428", "#667078"
 EYE = {"R": "right", "L": "left"}
+FEW = 60  # points whose values can be written beside them
+LINE = 0.16  # inches from line to line of small print
 # ---- maps ----
 
 
@@ -37,16 +41,21 @@ def map_figure(
     step: float | None = None,
     limits: tuple[float, float] | None = None,
     subtitle: str = "",
+    notes: Sequence[str] = (),
 ) -> Figure:
     """Bands and labelled isolines of a map within the lens's outline, with reference marks and colour bar.
 
     step, limits: in the map's unit, else what suits the quantity. subtitle: a line under the title (object distance).
+    notes: small print (who looks).
     """
-    figure, axes = _lens_axes(lens)
+    figure, axes = _lens_axes(lens, notes)
     titles(figure, axes.get_position().x0, lens_map.label, lens.name, subtitle)
     if np.isfinite(lens_map.values).any():
         bands = map_bands(lens, lens_map, step, limits)
-        _draw_bands(axes, lens, lens_map, bands)
+        if scattered(lens_map.values):
+            _draw_points(axes, lens_map, bands)
+        else:
+            _draw_bands(axes, lens, lens_map, bands)
         box = axes.get_position()
         bar = figure.add_axes((box.x1 + 0.03, box.y0 + 0.08 * box.height, 0.025, 0.84 * box.height))
         colour_bar(bar, bands, lens_map.unit)
@@ -55,7 +64,7 @@ def map_figure(
         axes.text(*centre, f"no ray passes: there is no {lens_map.label.lower()} to show", ha="center", color=INK)
     axes.add_patch(Polygon(np.transpose(lens.outline.points()), fill=False, edgecolor=INK, linewidth=1.4, zorder=4))
     draw_marks(axes, lens)
-    bottom = 0.34 / figure.get_size_inches()[1]
+    bottom = (0.34 + LINE * len(wrapped(figure.get_figwidth(), notes))) / figure.get_figheight()
     figure.legend(
         loc="lower center", bbox_to_anchor=(0.5, bottom), ncols=4, fontsize=8, frameon=False, handletextpad=0.3
     )
@@ -74,26 +83,34 @@ def place(figure: Figure, *box: float) -> Axes:
     return figure.add_axes(tuple(np.array(box) / np.tile(figure.get_size_inches(), 2)))
 
 
-def small_print(figure: Figure, text: str) -> None:
-    """A line at the lower right corner."""
+def small_print(figure: Figure, *texts: str) -> None:
+    """Lines at the lower right corner; the last text is the lowest."""
     width, height = figure.get_size_inches()
-    figure.text(1 - 0.15 / width, 0.12 / height, text, ha="right", size=8, color=QUIET)
+    for k, line in enumerate(reversed(wrapped(width, texts))):
+        up = (0.12 + LINE * k) / height
+        figure.text(1 - 0.15 / width, up, line, ha="right", size=8, color=QUIET, parse_math=False)
 
 
-def _lens_axes(lens: Lens) -> tuple[Figure, Axes]:
-    """A figure about 900 pixels wide with equal axes (mm) around the lens's outline."""
+def wrapped(width: float, texts: Iterable[str]) -> list[str]:
+    """Small print in lines that fit a figure so many inches wide, each text on lines of its own."""
+    return [line for text in texts for line in wrap(text, int(16.5 * width))]
+
+
+def _lens_axes(lens: Lens, notes: Sequence[str]) -> tuple[Figure, Axes]:
+    """A figure about 900 pixels wide with equal axes (mm) around the lens's outline, and notes in small print."""
     x0, x1, y0, y1 = lens.outline.box
     width, height = x1 - x0 + 3, y1 - y0 + 3
     scale = min(6.5 / width, 7.0 / height)
     across, up = scale * width, scale * height
-    size = 2.4 + max(across, 6.2), up + 1.85
-    figure = blank_figure(*size)
-    axes = place(figure, 0.8, 1.05, across, up)
+    wide = 2.4 + max(across, 6.2)
+    low = 1.05 + LINE * len(wrapped(wide, notes))
+    figure = blank_figure(wide, low + up + 0.8)
+    axes = place(figure, 0.8, low, across, up)
     axes.set(xlim=(x0 - 1.5, x1 + 1.5), ylim=(y0 - 1.5, y1 + 1.5), ylabel="y, mm")
     sides = ("temporal", "nasal") if lens.side == "R" else ("nasal", "temporal")
     axes.set_xlabel(f"{sides[0]}  ←        x, mm        →  {sides[1]}", color=INK)
     calm(axes)
-    small_print(figure, f"{EYE[lens.side]} lens, seen from the front")
+    small_print(figure, *notes, f"{EYE[lens.side]} lens, seen from the front")
     return figure, axes
 
 
@@ -129,6 +146,31 @@ def _draw_bands(axes: Axes, lens: Lens, lens_map: LensMap, bands: Bands) -> None
         axes.text(*lens.outline.centre, note, ha="center", va="bottom", size=11, color=INK, path_effects=_halo())
         return
     _draw_isolines(axes, lens_map, values, bands).set_clip_path(outline)
+
+
+def scattered(values: Floats) -> bool:
+    """Whether less than half of the samples (ny, nx) that hold a value are corners of a cell with four: no bands join them."""
+    known = np.isfinite(values)
+    cells = known[1:, 1:] & known[1:, :-1] & known[:-1, 1:] & known[:-1, :-1]
+    joined = np.zeros_like(known)
+    for rows in (slice(1, None), slice(None, -1)):
+        for columns in (slice(1, None), slice(None, -1)):
+            joined[rows, columns] |= cells
+    return bool(2 * joined.sum() < known.sum())
+
+
+def _draw_points(axes: Axes, lens_map: LensMap, bands: Bands) -> None:
+    """Each sample as a disc in its band's colour; the value beside it where they are few."""
+    j, i = np.nonzero(np.isfinite(lens_map.values))
+    x, y, values = lens_map.x[i], lens_map.y[j], lens_map.values[j, i]
+    colours = bands.colours[np.clip(bands.rank(values).astype(int), 0, len(bands.colours) - 1)]
+    axes.scatter(x, y, s=150 if x.size <= FEW else 25, c=colours, edgecolors=INK, linewidths=0.9, zorder=4.5)
+    for k in range(x.size if x.size <= FEW else 0):
+        crowded = ((x > x[k]) & (x < x[k] + 9) & (np.abs(y - y[k]) < 2)).any()
+        spot = {"xytext": (-9, 0) if crowded else (9, 0), "textcoords": "offset points", "va": "center"}
+        text = f"{values[k]:{'+' if bands.levels[0] < 0 else ''}.2f}"
+        halo = {"path_effects": _halo(), "zorder": 6, "size": 9, "color": INK}
+        axes.annotate(text, (x[k], y[k]), ha="right" if crowded else "left", **spot, **halo)
 
 
 def _draw_isolines(axes: Axes, lens_map: LensMap, values: Floats, bands: Bands) -> Any:

@@ -1,6 +1,7 @@
 """Pictures of a view, drawn off screen."""
 
 from collections.abc import Sequence
+from textwrap import wrap
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -90,6 +91,19 @@ def side_by_side(pictures: Sequence[tuple[str, Pixels]], caption: str) -> Pixels
         x += room + gap
     pen.text((gap, top + height + bottom / 2), caption, _INK, letters("", letter), "lm")
     return np.asarray(strip)
+
+
+def captioned(picture: Pixels, texts: Sequence[str]) -> Pixels:
+    """A picture (h, w, 3) with texts below, each on lines of its own that fit the width; an even number of pixels higher."""
+    height, width, _ = picture.shape
+    letter = max(10, height // 55)
+    step = 2 * round(0.8 * letter)
+    lines = [line for text in texts for line in wrap(text, max(8, int(width / (0.6 * letter))))]
+    strip = Image.new("RGB", (width, step * len(lines) + 2 * (step // 4)), "white")
+    pen = ImageDraw.Draw(strip)
+    for k, line in enumerate(lines):
+        pen.text((letter // 2, step * (k + 0.75)), line, _INK, letters("", letter), "lm")
+    return np.vstack([picture, np.asarray(strip)])
 
 
 def letters(weight: str, size: int) -> ImageFont.FreeTypeFont:
