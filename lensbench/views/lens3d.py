@@ -51,13 +51,10 @@ def map_on_lens(
     figure.figimage(snapshot(plotter), 0, foot, origin="upper", zorder=-1)
     maps.titles(figure, 0.03, lens_map.label, lens.name, subtitle)
     if np.isfinite(lens_map.values).any():
-        maps.colour_bar(
-            maps.place(figure, size[0] / 100 - 0.95, foot / 100 + 0.4, 0.2, (size[1] - foot) / 100 - 1.6),
-            bands,
-            lens_map.unit,
-        )
+        bar = maps.place(figure, size[0] / 100 - 0.95, foot / 100 + 0.4, 0.2, room[1] / 100 - 0.9)
+        maps.colour_bar(bar, bands, lens_map.unit)
     else:
-        figure.text(0.03, 0.06, "no ray passes: the lens is bare", size=10, color=INK)
+        figure.text(0.03, (foot + 6) / size[1], "no ray passes: the lens is bare", size=10, color=INK)
     maps.small_print(figure, *notes, f"{EYE[lens.side]} lens as worn, seen from the front, above and the temporal side")
     return maps.figure_array(figure)
 
