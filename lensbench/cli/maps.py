@@ -30,6 +30,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
+    from ..layers import MapLayer
     from ..optics.eye import Wearer
     from ..optics.lens import Lens
 
@@ -132,25 +133,21 @@ def write_map(args: argparse.Namespace) -> None:
     if kind in MESHES and not args.json:
         write(args.output, _map_mesh(args, kind, lens, wearer, result))
         return
-    picture = partial(_map_picture, args, lens, wearer, result)
+    picture = partial(_map_picture, args, lens, wearer, layer, result)
     deliver(args, kind, map_numbers(result), partial(map_csv, result), picture)
 
 
-def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", result: Any) -> Any:
-    from ..quantities import QUANTITIES
-    from ..report.facts import small_print
-    from ..report.tables import distance_text
+def _map_picture(args: argparse.Namespace, lens: "Lens", wearer: "Wearer", layer: "MapLayer", result: Any) -> Any:
+    from ..report.tables import map_words
 
-    about = QUANTITIES[result.quantity].about
-    subtitle = about or distance_text(args.distance)
-    notes = () if about else small_print(lens, wearer, accommodation(args.accommodation))
+    words = map_words(lens, wearer, layer)
     if args.on_lens:
         from ..views.lens3d import map_on_lens
 
-        return map_on_lens(lens, wearer, result, subtitle=subtitle, notes=notes)
+        return map_on_lens(lens, wearer, result, **words)
     from ..views.maps import map_figure
 
-    return map_figure(lens, result, subtitle=subtitle, notes=notes)
+    return map_figure(lens, result, **words)
 
 
 def _map_mesh(args: argparse.Namespace, kind: str, lens: "Lens", wearer: "Wearer", result: Any) -> bytes:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QImage, QMouseEvent, QPainter, QPainterPath, QPen, QWheelEvent
 
-from ..layers import Probe
+from ..layers import MapLayer, Probe
+from ..report.tables import map_words
 from ..session import Pane, Workbench
 from ..views.bands import Bands
 from ..views.maps import INK
@@ -44,6 +45,7 @@ class MapContent(Plot):
         self.margins = (56.0, 8.0, BAR + 14, 40.0)
         self.drawn: Drawn | None = None
         self._pane = Pane()
+        self._words: dict[str, Any] = {}
         self._whole = self.box
         self._last: QPointF | None = None
 
@@ -60,6 +62,8 @@ class MapContent(Plot):
         if whole != self._whole:
             self._whole = self.box = whole
         self.drawn, self._pane = answer, pane
+        layer = MapLayer(pane.quantity, bench.distance, bench.accommodation)
+        self._words = map_words(answer.banded.lens, answer.banded.wearer, layer)
         self.draw_again()
 
     @property
@@ -115,7 +119,7 @@ class MapContent(Plot):
         if self.drawn is None:
             return None
         banded = self.drawn.banded
-        return map_figure(banded.lens, banded.lens_map, self._pane.step, banded.limits)
+        return map_figure(banded.lens, banded.lens_map, self._pane.step, banded.limits, **self._words)
 
     def draw(self, painter: QPainter) -> None:
         """Axes, bands within the outline, isolines, marks, colour bar."""

@@ -8,14 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from ..layers import Deviation, DistortionGrid, EllipseSheet, LensMap, RealRays, RealRaysCheck, VoxelField
+from ..layers import Deviation, DistortionGrid, EllipseSheet, LensMap, MapLayer, RealRays, RealRaysCheck, VoxelField
 from ..optics.conoid import GazeConoids
 from ..optics.conventions import Status
 from ..optics.eye import Wearer
 from ..optics.lens import Lens
 from ..output import to_json
 from ..pair import ConvergencePath
-from .facts import viewer_text
+from ..quantities import QUANTITIES
+from .facts import small_print, viewer_text
 
 
 def distance_text(distance: float | str) -> str:
@@ -27,6 +28,13 @@ def distance_text(distance: float | str) -> str:
     if math.isinf(distance):
         return "objects at infinity"
     return f"objects at {distance / 1000:g} m" if distance >= 1000 else f"objects at {distance / 10:g} cm"
+
+
+def map_words(lens: Lens, wearer: Wearer, layer: MapLayer) -> dict[str, Any]:
+    """What a map's picture says beside its title: subtitle (object distance) and notes (who looks), where these matter."""
+    about = QUANTITIES[layer.quantity].about
+    notes = () if about else small_print(lens, wearer, layer.accommodation)
+    return {"subtitle": about or distance_text(layer.distance), "notes": notes}
 
 
 def map_numbers(lens_map: LensMap) -> dict[str, Any]:

@@ -71,6 +71,8 @@ def test_png_is_what_is_seen_and_svg_is_lines(ready, tmp_path):
     text = (tmp_path / "a.svg").read_text(encoding="utf-8")
     assert "<svg" in text
     assert "<path" in text
+    assert "objects at infinity" in text
+    assert "accommodation rule retina" in text
     assert "written" in ready.log.toPlainText()
 
 
