@@ -26,7 +26,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..layers import Request
+    from ..layers import Request, SeenScene
 
 EYES = ("lens", "naked", "pinhole", "perfect")
 
@@ -90,7 +90,8 @@ def write_view(args: argparse.Namespace) -> None:
         if kind == ".exr":
             _write_exr(args, studio, request)
         else:
-            write_picture(args.output, _pictures(args, studio, [request])[0])
+            picture, seen = _pictures(args, studio, [request])
+            write_picture(args.output, _captioned(args, picture[0], seen[0]))
 
 
 def _write_exr(args: argparse.Namespace, studio: Any, request: "Request") -> None:
@@ -123,8 +124,9 @@ def write_sweep(args: argparse.Namespace) -> None:
     first = _request(args, tuple(heads[0]))
     turned = [replace(first.layer, head_turn=math.radians(t), head_tilt=math.radians(v)) for t, v in heads]
     with Studio() as studio:
-        pictures = _pictures(args, studio, [replace(first, layer=layer) for layer in turned])
+        pictures, seen = _pictures(args, studio, [replace(first, layer=layer) for layer in turned])
     frames = [titled(picture, _head_text(*head)) for picture, head in zip(pictures, heads, strict=True)]
+    frames = [_captioned(args, frame, seen[0]) for frame in frames]
     write_animation(args.output, there_and_back(frames), args.rate)
     print(args.output)
     write_picture(sheet, contact_sheet(frames))
@@ -164,12 +166,11 @@ def _request(args: argparse.Namespace, head: tuple[float, float] | None = None) 
     return Request(lens, wearer, layer, scene)
 
 
-def _pictures(args: argparse.Namespace, studio: Any, requests: "list[Request]") -> list[Any]:
-    """The pictures of several requests, under the defocus map and above its scale where the options ask for it, each with a
-    caption."""
+def _pictures(args: argparse.Namespace, studio: Any, requests: "list[Request]") -> tuple[list[Any], "list[SeenScene]"]:
+    """The pictures of several requests, under the defocus map and above its scale where the options ask for it, and what is
+    seen in each.
+    """
     from ..layers import DefocusLayer
-    from ..report.facts import view_text
-    from ..views.jitter.picture import captioned
     from ..workbench import run
 
     seen = [run(request) for request in requests]
@@ -179,4 +180,12 @@ def _pictures(args: argparse.Namespace, studio: Any, requests: "list[Request]") 
 
         found = [run(replace(r, layer=DefocusLayer(r.layer, args.measure or "defocus"))) for r in requests]
         drawn = under_scale(drawn, found, args.defocus)
-    return drawn if args.bare else [captioned(p, view_text(each)) for p, each in zip(drawn, seen, strict=True)]
+    return drawn, seen
+
+
+def _captioned(args: argparse.Namespace, picture: Any, seen: "SeenScene") -> Any:
+    """The picture above what is said of it, unless that is not wanted."""
+    from ..report.facts import view_text
+    from ..views.jitter.picture import captioned
+
+    return picture if args.bare else captioned(picture, view_text(seen))

@@ -108,10 +108,9 @@ def _draw_sheet(axes: Axes, sheet: EllipseSheet, wearer: Wearer, bands: Bands, s
     maps.calm(axes)
 
 
-def _sheet_title(sheet: EllipseSheet, exaggeration: float) -> str:
-    return f"{sheet.depth / 10:g} cm from the eye, " + (
-        "true scale" if exaggeration == 1.0 else f"ellipses ×{exaggeration:g}"
-    )
+def _sheet_title(sheet: EllipseSheet, exaggeration: float, origin: str = " from the eye") -> str:
+    scale = "true scale" if exaggeration == 1.0 else f"ellipses ×{exaggeration:g}"
+    return f"{sheet.depth / 10:g} cm{origin}, {scale}"
 
 
 def ellipse_stack(
@@ -138,11 +137,14 @@ def ellipse_stack(
         look_along(plotter, wearer, np.concatenate(frames))
         for (sheet, factor), frame in zip(group, frames, strict=True):
             spot = (in_view(plotter, frame)[1] + 1) / 2 * room + (k * room[0] - 6, FOOT + 2)
-            figure.text(*spot / (figure.get_size_inches() * 100), _sheet_title(sheet, factor), ha="right", color=INK)
+            figure.text(
+                *spot / (figure.get_size_inches() * 100), _sheet_title(sheet, factor, ""), ha="right", color=INK
+            )
         figure.figimage(snapshot(plotter), k * room[0], FOOT, origin="upper", zorder=-1)
     maps.titles(figure, 0.03, "Ellipses of confusion in space", lens.name if lens else "naked eye", subtitle)
     maps.colour_bar(maps.place(figure, size[0] / 100 - 0.75, 0.7, 0.18, size[1] / 100 - 1.9), bands, "arcmin")
-    maps.small_print(figure, "seen from behind the wearer's right shoulder; colour: major diameter seen from the eye")
+    seen = "seen from behind the wearer's right shoulder; depths and colours from the eye (colour: major diameter)"
+    maps.small_print(figure, seen)
     return maps.figure_array(figure)
 
 
