@@ -31,6 +31,20 @@ class LensEdge(ReadOnlyArrays):
         across = factor * self.radius * np.stack([np.cos(angle), np.sin(angle)])
         return np.column_stack([*across, np.ones(self.radius.size)]) @ self.frame
 
+    def bounds(self, sides: int) -> tuple[Floats, Floats]:
+        """Inward normals (sides, 3), wear frame, of two cones with flat sides: one about the edge, one within it.
+
+        What lies within the edge lies on the inner side of all of the first; what does so of all of the second lies within.
+        """
+        angle = 2 * np.pi * np.arange(sides) / sides
+        turn = 2 * np.pi * np.arange(self.radius.size)[:, None] / self.radius.size
+        across = np.cos(turn - angle)
+        reach = np.max(self.radius[:, None] * across, axis=0)
+        inner = reach * np.min(self.radius * np.max(across / reach, axis=1))
+        normals = -np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        about, within = (np.column_stack([normals, r]) @ self.frame for r in (1.001 * reach, 0.999 * inner))
+        return about, within
+
     def within(self, directions: Floats, factor: float = 1.0) -> NDArray[np.bool_]:
         """Whether directions (..., 3), wear frame, point inside the edge. factor: as in `directions`."""
         x, y, z = np.moveaxis(directions @ self.frame.T, -1, 0)

@@ -19,8 +19,30 @@ void jitPlace(vec3 direction, float reach) {
 }
 """
 
+# A triangle is not drawn that lies wholly beyond one of the sides jitAbout, or wholly within all of jitWithin.
+EXTENSION = "//VTK::System::Dec\n#extension GL_ARB_cull_distance : enable\n"
+_CULL = """
+uniform float jitAbout[21];  // inward normals of seven sides, head; zeros: no side
+uniform float jitWithin[21];
+#ifdef GL_ARB_cull_distance
+out float gl_CullDistance[8];
+#define jitCulled gl_CullDistance
+#else
+float jitCulled[8];
+#endif
+float jitCull(vec3 direction) {
+  float within = 1e30;
+  for (int i = 0; i < 7; ++i) {
+    jitCulled[i] = dot(direction, vec3(jitAbout[3 * i], jitAbout[3 * i + 1], jitAbout[3 * i + 2]));
+    within = min(within, dot(direction, vec3(jitWithin[3 * i], jitWithin[3 * i + 1], jitWithin[3 * i + 2])));
+  }
+  return jitCulled[7] = -within;
+}
+"""
+
 FIELD = (
     _COMMON
+    + _CULL
     + """
 uniform sampler2D jitField; // the atlas: five tiles one above the other
 uniform vec4 jitGrid;       // first u, first v, 1 / step, z of the plane from which depth counts
@@ -113,11 +135,14 @@ vec3 jitSeen(vec3 X) {
 
 FIELD_PLACE = """
   vec3 jitX = jitToHead * (MCVCMatrix * vertexMC).xyz;
-  jitPlace(jitSeen(jitX), length(jitX));
+  vec3 jitD = jitSeen(jitX);
+  jitPlace(jitD, length(jitX));
+  jitCull(jitD);
 """
 
 VERTICES = (
     _COMMON
+    + _CULL
     + """
 in vec3 jitGaze;
 in vec3 jitSpreadX;
@@ -127,7 +152,9 @@ in vec3 jitSpreadY;
 
 VERTICES_PLACE = """
   float jitReach = length((MCVCMatrix * vertexMC).xyz);
-  jitPlace(jitGaze + jitPoint.x * jitSpreadX + jitPoint.y * jitSpreadY, jitReach);
+  vec3 jitD = jitGaze + jitPoint.x * jitSpreadX + jitPoint.y * jitSpreadY;
+  jitPlace(jitD, jitReach);
+  jitCull(jitD);
 """
 
 RIM = _COMMON
@@ -160,10 +187,25 @@ ZONE_COLOUR = """
   if (jitElsewhere()) discard;
 """
 
+# The core of a zone: its triangles that lie wholly within all of jitWithin, and are drawn without a test of where they lie.
+_CORE = """
+out float jitDoubt;
+"""
+_CORE_PLACE = """
+  jitDoubt = max(0.0, jitCulled[7]);
+  jitCulled[7] = 1.0;
+"""
+_CORE_ZONE = """
+in float jitDoubt;
+bool jitElsewhere() { return jitDoubt > 0.0; }
+"""
+
 # What a zone declares, where it places a vertex, and which fragments it leaves out.
 KINDS = {
     "atlas": (FIELD, FIELD_PLACE, ZONE),
+    "atlas core": (FIELD + _CORE, FIELD_PLACE + _CORE_PLACE, _CORE_ZONE),
     "vertices": (VERTICES, VERTICES_PLACE, ZONE),
+    "vertices core": (VERTICES + _CORE, VERTICES_PLACE + _CORE_PLACE, _CORE_ZONE),
     "rim": (RIM, RIM_PLACE, RIM_ZONE),
 }
 

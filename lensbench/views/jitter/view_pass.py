@@ -70,6 +70,7 @@ class JitterPass:
         window.Render()
         self._sum = MemorySum(window) if in_memory else _best_sum(window)
         self._zones = self._new_zones()
+        self._culls = "GL_ARB_cull_distance" in window.ReportCapabilities()
         self._tags = [
             renderer.AddObserver(event, action, -1.0)
             for event, action in (("StartEvent", self._start), ("EndEvent", self._end))
@@ -91,7 +92,7 @@ class JitterPass:
         if before is None or self.by_vertices or seen.scene is not before.scene:
             self._set_scene(seen)
         self._set_reach(seen.eye)
-        for zone, atlas in zip(self._zones, (seen.through, seen.around, None), strict=True):
+        for zone, atlas in zip(self._zones, (seen.through, seen.around, seen.through, None), strict=True):
             if atlas is not None:
                 zone.see(seen, atlas)
         if before is None or seen.edge is not before.edge:
@@ -145,9 +146,10 @@ class JitterPass:
             raise VerticesNeeded("the graphics driver refused the shader of the view: it needs each vertex traced")
         return parts_by_zone(seen)
 
-    def _new_zones(self) -> tuple[Zone, Zone, Zone]:
+    def _new_zones(self) -> tuple[Zone, Zone, Zone, Zone]:
         kind = "vertices" if self.by_vertices else "atlas"
-        return Zone(self.window, kind), Zone(self.window, kind, -1), Zone(self.window, "rim")
+        through, around = Zone(self.window, kind), Zone(self.window, kind, -1)
+        return through, around, Zone(self.window, kind, core_of=through), Zone(self.window, "rim")
 
     def _fill(self, zone: Zone, actors: list[Any]) -> None:
         for actor in zone.actors:
@@ -161,10 +163,11 @@ class JitterPass:
         self._added = []
         textures = [image_texture(part.image) for part in seen.scene.drawn]
         if self.by_vertices:
-            found = self._parts or self._traced(seen)
+            through, around = self._parts or self._traced(seen)
+            found = through, around, through
             actors = [[vertex_actor(*pair) for pair in zip(parts, textures, strict=False)] for parts in found]
         else:
-            actors = [[part_actor(*pair) for pair in zip(seen.scene.drawn, textures, strict=True)] for _ in range(2)]
+            actors = [[part_actor(*pair) for pair in zip(seen.scene.drawn, textures, strict=True)] for _ in range(3)]
         for zone, of_zone in zip(self._zones, actors, strict=False):
             self._fill(zone, of_zone)
         self._set_rim(seen)
@@ -181,7 +184,7 @@ class JitterPass:
 
     def _set_rim(self, seen: SeenScene) -> None:
         rim = [] if seen.edge is None else [rim_actor(seen.edge)]
-        self._fill(self._zones[2], rim)
+        self._fill(self._zones[3], rim)
 
     def _start(self, *_: Any) -> None:
         """Before the renderer draws: this pass's uniforms, and all else if the camera has moved."""
@@ -207,14 +210,17 @@ class JitterPass:
         width, height = found.size
         self._sum.clear(self.window.GetActualSize(), (*self.renderer.GetOrigin(), width, height))
         split = self.renderer.GetOrigin()[0] + width / 2 if seen.layer.split else -1.0
-        visible = [True, False, False]
+        visible = [True, False, False, False]
         if seen.edge is not None:
             left, low = self.renderer.GetOrigin()
             inside = bool(seen.edge.within(found.from_pixel @ [left + width / 2, low + height / 2, 1]))
             near = edge_in_view(seen.edge, found)
-            visible = [inside or near, not inside or near or seen.layer.split, near]
+            through, around = inside or near, not inside or near or seen.layer.split
+            parted = through and around and self._culls and not self._added
+            visible = [through, around, parted, near]
+        edge = seen.edge if visible[0] and visible[1] else None
         for zone, shown in zip(self._zones, visible, strict=True):
-            zone.look(found, seen.edge if visible[0] and visible[1] else None, split)
+            zone.look(found, edge, split, parted=visible[2])
             for actor in zone.actors:
                 actor.SetVisibility(shown)
 

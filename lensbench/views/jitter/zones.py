@@ -55,18 +55,20 @@ class Zone:
     """Actors that are drawn by one shader and seen through one field.
 
     kind: "atlas" (gaze and blur come from the field's atlas), "vertices" (each vertex brings its own along), or "rim" (the
-    lens's edge itself, which stands in the head's frame). side: 1 within the lens's edge, -1 beyond it.
+    lens's edge itself, which stands in the head's frame). side: 1 within the lens's edge, -1 beyond it. core_of: the zone
+    whose triangles that lie well within the edge this one draws instead, without a test of each fragment.
     """
 
-    def __init__(self, window: Any, kind: str, side: int = 1) -> None:
-        self.kind, self.side = kind, side
-        self.field, self.edge = CardTable(window), CardTable(window)
+    def __init__(self, window: Any, kind: str, side: int = 1, core_of: "Zone | None" = None) -> None:
+        self.kind, self.side, self.core = kind, side, core_of is not None
+        self.field, self.edge = core_of.field if core_of else CardTable(window), CardTable(window)
         self.actors: list[Any] = []
         self.bounded, self.split = False, -1.0
         self.shader = vtkShaderProperty()
         self.uniforms = self.shader.GetVertexCustomUniforms()
-        declare, place, _ = shaders.KINDS[kind]
+        declare, place, self.test = shaders.KINDS[f"{kind} core" if self.core else kind]
         for tag, code in (
+            ("//VTK::System::Dec", shaders.EXTENSION),
             ("//VTK::CustomUniforms::Dec", declare),
             ("//VTK::Camera::Dec", shaders.CAMERA),
             ("//VTK::PositionVC::Impl", "//VTK::PositionVC::Impl\n" + place),
@@ -81,7 +83,7 @@ class Zone:
         self.shader.ClearAllFragmentShaderReplacements()
         if bounded:
             for tag, code in (
-                ("//VTK::CustomUniforms::Dec", shaders.KINDS[self.kind][2]),
+                ("//VTK::CustomUniforms::Dec", self.test),
                 ("//VTK::Color::Impl", shaders.ZONE_COLOUR + "//VTK::Color::Impl\n"),
             ):
                 self.shader.AddFragmentShaderReplacement(tag, True, code, False)
@@ -107,8 +109,12 @@ class Zone:
         set_.SetUniform3f("jitRefraction", [refraction[0, 0], refraction[0, 1], refraction[1, 1]])
         set_.SetUniform4f("jitEye", [eye.pupil_diameter / 2, limit / 1000, code, 0.0])
 
-    def look(self, found: Frames, edge: LensEdge | None, split: float) -> None:
-        """Take over the camera. edge: where the zone ends (None: nowhere). split: pixel left of which the zone ends too."""
+    def look(self, found: Frames, edge: LensEdge | None, split: float, parted: bool) -> None:
+        """Take over the camera.
+
+        edge: where the zone ends (None: nowhere). split: pixel left of which the zone ends too. parted: whether its core
+        is drawn apart.
+        """
         set_ = self.uniforms
         set_.SetUniformMatrix3x3("jitToHead", found.to_head.T.ravel().tolist())
         set_.SetUniformMatrix4x4("jitToDevice", found.to_device.T.ravel().tolist())
@@ -117,6 +123,23 @@ class Zone:
         if edge is not None and self.kind != "rim":
             self.edge.load(edge.radius, (1, edge.radius.size, 1))
             set_.SetUniformMatrix3x3("jitFromPixel", (edge.frame @ found.from_pixel).T.ravel().tolist())
+        if self.kind != "rim":
+            self._cull(found, edge, parted)
+
+    def _cull(self, found: Frames, edge: LensEdge | None, parted: bool) -> None:
+        """Which triangles are not drawn, as they lie wholly in another zone."""
+        about = within = nothing = np.zeros((7, 3))
+        if edge is not None:
+            right = found.to_device[0, :3] if self.split >= 0 else edge.frame[2]
+            about, within = (np.vstack([sides, right]) for sides in edge.bounds(6))
+        if self.core:
+            about = within
+        elif self.side < 0:
+            about = nothing
+        elif not parted:
+            within = nothing
+        self.uniforms.SetUniform1fv("jitAbout", 21, about.ravel().tolist())
+        self.uniforms.SetUniform1fv("jitWithin", 21, within.ravel().tolist())
 
     def set_pass(self, point: Floats, shift: Floats, pixels: Floats) -> None:
         """The pupil's point, and the shift in device coordinates and in pixels."""
