@@ -12,8 +12,9 @@ from lensbench.layers import Request, ViewLayer
 from lensbench.optics.conventions import power_matrix
 from lensbench.optics.eye import Eye, Wearer
 from lensbench.optics.gaze import look_at
+from lensbench.optics.lens_edge import LensEdge
 from lensbench.scenes.builtin import load_scene
-from lensbench.seen import defocus_view
+from lensbench.seen import defocus_view, pixel_directions
 from lensbench.session import Workbench
 from lensbench.workbench import run
 
@@ -22,7 +23,7 @@ pytest.importorskip("pyvista")
 import pyvista as pv
 
 from lensbench.views import jitter
-from lensbench.views.jitter import accumulate
+from lensbench.views.jitter import accumulate, shaders
 from lensbench.views.offscreen import require_gl
 
 SAMPLES = Path(__file__).parents[1] / "sample_lenses"
@@ -143,6 +144,41 @@ def test_no_vertex_of_a_room_is_drawn_astray(lens, vertex_distance, half_width):
     usual, other = (jitter.render_view(seen, 2, by_vertices=exact).astype(int) for exact in (False, True))
     apart = np.abs(usual - other).max(axis=2)
     assert np.mean(apart > 16) < 1e-3
+
+
+EDGES = [{}, {"head_turn": 0.5}, {"split": True}, {"azimuth": 0.7, "elevation": -0.5, "split": True}]
+
+
+def see_edge(**layer):
+    bench = Workbench().with_lens(SAMPLES / "regular_R.toml")
+    layer = ViewLayer("lens", half_width=np.radians(50), size=(320, 240), **layer)
+    return run(Request(bench.active_lens, bench.active_wearer, layer, load_scene("room")))
+
+
+@pytest.mark.parametrize("layer", EDGES)
+@pytest.mark.parametrize("fallback", [{}, {"by_vertices": True}])
+def test_triangles_left_out_of_a_zone_are_not_missed(layer, fallback, monkeypatch):
+    """Beside a picture of which every triangle is drawn in both zones, and every fragment tested for its zone."""
+    seen = see_edge(**layer)
+    usual = jitter.render_view(seen, 3, **fallback)
+    nowhere = -seen.edge.frame[2]
+    monkeypatch.setattr(LensEdge, "bounds", lambda _, sides: (np.zeros((sides, 3)), np.tile(nowhere, (sides, 1))))
+    assert np.array_equal(usual, jitter.render_view(seen, 3, **fallback))
+
+
+def test_away_from_the_edge_only_one_zone_is_drawn(monkeypatch):
+    """There nothing is left to a test of fragments: without it the picture is the same."""
+    seen = see_edge()
+    usual = jitter.render_view(seen, 3)
+    monkeypatch.setattr(shaders, "ZONE_COLOUR", "")
+    untested = jitter.render_view(seen, 3)
+    directions = pixel_directions(seen.layer) @ seen.frame @ seen.head
+    inside, outside = seen.edge.within(directions, 0.8), ~seen.edge.within(directions, 1.3)
+    assert inside.sum() > 10_000
+    assert outside.sum() > 1_000
+    assert np.array_equal(usual[inside], untested[inside])
+    assert np.array_equal(usual[outside], untested[outside])
+    assert not np.array_equal(usual, untested)
 
 
 def test_nothing_is_added_while_paused(plotter):

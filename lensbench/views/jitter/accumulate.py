@@ -15,7 +15,8 @@ from .light import LIGHT_OF_CODE, Light, Pixels, encode
 Box = tuple[int, int, int, int]
 
 _RGBA32F, _FLOAT = 0x8814, 0x1406
-_BLEND, _DEPTH_TEST, _ONE = 0x0BE2, 0x0B71, 1
+_BLEND, _DEPTH_TEST, _COLOUR_BUFFER, _FRAMEBUFFER = 0x0BE2, 0x0B71, 0x4000, 0x8D40
+_ONE, _SOURCE_ALPHA, _ONE_LESS_SOURCE_ALPHA = 1, 0x0302, 0x0303
 
 
 class Accumulator(Protocol):
@@ -56,7 +57,7 @@ class CardSum:
         self.part = part
         self._aim()
         state.vtkglClearColor(0.0, 0.0, 0.0, 0.0)
-        state.vtkglClear(0x4000)
+        state.vtkglClear(_COLOUR_BUFFER)
         state.PopFramebufferBindings()
 
     def _allocate(self, size: tuple[int, int]) -> None:
@@ -71,7 +72,7 @@ class CardSum:
         self.frame.Bind()
         self.frame.AddColorAttachment(0, self.texture)
         self.frame.ActivateDrawBuffer(0)
-        if not self.frame.CheckFrameBufferStatus(0x8D40):
+        if not self.frame.CheckFrameBufferStatus(_FRAMEBUFFER):
             raise LensBenchError("the graphics driver cannot add into 32-bit floats")
 
     def _free(self) -> None:
@@ -94,7 +95,7 @@ class CardSum:
         state.vtkglEnable(_BLEND)
         state.vtkglBlendFuncSeparate(_ONE, _ONE, _ONE, _ONE)
         self._draw(self.adding, self.adder, drawn)
-        state.vtkglBlendFuncSeparate(0x0302, 0x0303, _ONE, 0x0303)
+        state.vtkglBlendFuncSeparate(_SOURCE_ALPHA, _ONE_LESS_SOURCE_ALPHA, _ONE, _ONE_LESS_SOURCE_ALPHA)
         state.PopFramebufferBindings()
 
     def show(self, exposure: float) -> None:

@@ -22,21 +22,21 @@ void jitPlace(vec3 direction, float reach) {
 # A triangle is not drawn that lies wholly beyond one of the sides jitAbout, or wholly within all of jitWithin.
 EXTENSION = "//VTK::System::Dec\n#extension GL_ARB_cull_distance : enable\n"
 _CULL = """
-uniform float jitAbout[21];  // inward normals of seven sides, head; zeros: no side
-uniform float jitWithin[21];
+uniform float jitAbout[21];  // inward normals of seven sides, head's frame; zeros: no side
+uniform float jitWithin[39]; // of thirteen
 #ifdef GL_ARB_cull_distance
 out float gl_CullDistance[8];
 #define jitCulled gl_CullDistance
 #else
 float jitCulled[8];
 #endif
-float jitCull(vec3 direction) {
-  float within = 1e30;
-  for (int i = 0; i < 7; ++i) {
+void jitCull(vec3 direction) {
+  for (int i = 0; i < 7; ++i)
     jitCulled[i] = dot(direction, vec3(jitAbout[3 * i], jitAbout[3 * i + 1], jitAbout[3 * i + 2]));
+  float within = 1e30;
+  for (int i = 0; i < 13; ++i)
     within = min(within, dot(direction, vec3(jitWithin[3 * i], jitWithin[3 * i + 1], jitWithin[3 * i + 2])));
-  }
-  return jitCulled[7] = -within;
+  jitCulled[7] = -within;
 }
 """
 
@@ -135,9 +135,9 @@ vec3 jitSeen(vec3 X) {
 
 FIELD_PLACE = """
   vec3 jitX = jitToHead * (MCVCMatrix * vertexMC).xyz;
-  vec3 jitD = jitSeen(jitX);
-  jitPlace(jitD, length(jitX));
-  jitCull(jitD);
+  vec3 jitApparent = jitSeen(jitX);
+  jitPlace(jitApparent, length(jitX));
+  jitCull(jitApparent);
 """
 
 VERTICES = (
@@ -152,9 +152,9 @@ in vec3 jitSpreadY;
 
 VERTICES_PLACE = """
   float jitReach = length((MCVCMatrix * vertexMC).xyz);
-  vec3 jitD = jitGaze + jitPoint.x * jitSpreadX + jitPoint.y * jitSpreadY;
-  jitPlace(jitD, jitReach);
-  jitCull(jitD);
+  vec3 jitApparent = jitGaze + jitPoint.x * jitSpreadX + jitPoint.y * jitSpreadY;
+  jitPlace(jitApparent, jitReach);
+  jitCull(jitApparent);
 """
 
 RIM = _COMMON

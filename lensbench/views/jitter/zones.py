@@ -128,18 +128,15 @@ class Zone:
 
     def _cull(self, found: Frames, edge: LensEdge | None, parted: bool) -> None:
         """Which triangles are not drawn, as they lie wholly in another zone."""
-        about = within = nothing = np.zeros((7, 3))
+        about, within = np.zeros((7, 3)), np.zeros((13, 3))
         if edge is not None:
             right = found.to_device[0, :3] if self.split >= 0 else edge.frame[2]
-            about, within = (np.vstack([sides, right]) for sides in edge.bounds(6))
-        if self.core:
-            about = within
-        elif self.side < 0:
-            about = nothing
-        elif not parted:
-            within = nothing
-        self.uniforms.SetUniform1fv("jitAbout", 21, about.ravel().tolist())
-        self.uniforms.SetUniform1fv("jitWithin", 21, within.ravel().tolist())
+            if self.side > 0:
+                about = np.vstack([edge.bounds(6)[0], right])
+            if self.side < 0 or parted:
+                within = np.vstack([edge.bounds(12)[1], right])
+        self.uniforms.SetUniform1fv("jitAbout", about.size, about.ravel().tolist())
+        self.uniforms.SetUniform1fv("jitWithin", within.size, within.ravel().tolist())
 
     def set_pass(self, point: Floats, shift: Floats, pixels: Floats) -> None:
         """The pupil's point, and the shift in device coordinates and in pixels."""
