@@ -68,6 +68,15 @@ def to_quadric(a, b, c, local):
 
 
 @inline
+def to_sphere(c, local):
+    """Distance along the ray to the near side of the sphere of curvature c through the vertex; NaN if it misses."""
+    x, y, z, dx, dy, dz = local
+    half = c * (x * dx + y * dy + z * dz) + dz
+    rest = c * (x * x + y * y + z * z) + 2 * z
+    return -rest / (half + math.sqrt(half * half - c * rest))
+
+
+@inline
 def on_axes(c, s, local):
     """The ray in the frame of the meridians: u along the one at the angle of cosine c and sine s, v across it."""
     x, y, z, dx, dy, dz = local
@@ -108,13 +117,22 @@ def reciprocals(a, b):
 
 
 @inline
-def listing_on_tangents(q, fx, fy, dx, dy, k):
-    """Theta_ij = e_i . r_j: the Listing frame of the world ray d, k = 1 / (1 + dz), against the surface's tangents."""
-    a0, a1, a2 = 1 - dx * dx * k, -dx * dy * k, -dx
-    b0, b1, b2 = a1, 1 - dy * dy * k, -dy
-    ax, ay, az = q[0] * a0 + q[3] * a1 + q[6] * a2, q[1] * a0 + q[4] * a1 + q[7] * a2, q[2] * a0 + q[5] * a1 + q[8] * a2
-    bx, by, bz = q[0] * b0 + q[3] * b1 + q[6] * b2, q[1] * b0 + q[4] * b1 + q[7] * b2, q[2] * b0 + q[5] * b1 + q[8] * b2
-    return ax + fx * az, ay + fy * az, bx + fx * bz, by + fy * bz
+def tangents(q, fx, fy):
+    """The surface's tangents (1, 0, fx) and (0, 1, fy) in the wear frame, flat."""
+    return (
+        q[0] + fx * q[2], q[3] + fx * q[5], q[6] + fx * q[8],
+        q[1] + fy * q[2], q[4] + fy * q[5], q[7] + fy * q[8],
+    )  # fmt: skip
+
+
+@inline
+def listing_on_tangents(r, x, y, k, a, b):
+    """Theta_ij = e_i . r_j: the Listing frame e_i of a ray (x, y, z) against the tangents r_j in the wear frame.
+
+    k = 1 / (1 + z); a, b: the ray on the two tangents. The frame is e_i = E_i - k d_i (d + E_z) with the axes E of wear.
+    """
+    a, b = k * (a + r[2]), k * (b + r[5])
+    return r[0] - x * a, r[3] - x * b, r[1] - y * a, r[4] - y * b
 
 
 @inline
@@ -126,18 +144,20 @@ def bend(q, ray, local, met, n0, n1):
     """
     t, fx, fy, fxx, fxy, fyy, area = met
     x, y, z, dx, dy, dz = ray
+    r = tangents(q, fx, fy)
     cos_in = area * (local[5] - fx * local[3] - fy * local[4])
     ratio = n0 / n1
     cos_out = math.sqrt(1 - ratio * ratio * (1 - cos_in * cos_in))
     k = (cos_out - ratio * cos_in) * area
-    gx, gy, gz = ratio * local[3] - k * fx, ratio * local[4] - k * fy, ratio * local[5] + k
-    wx, wy, wz = q[0] * gx + q[1] * gy + q[2] * gz, q[3] * gx + q[4] * gy + q[5] * gz, q[6] * gx + q[7] * gy + q[8] * gz
+    nx, ny, nz = q[2] - fx * q[0] - fy * q[1], q[5] - fx * q[3] - fy * q[4], q[8] - fx * q[6] - fy * q[7]
+    wx, wy, wz = ratio * dx + k * nx, ratio * dy + k * ny, ratio * dz + k * nz
     in_front, behind = reciprocals(1 + dz, 1 + wz)
     per_cos_in, per_cos_out = reciprocals(cos_in, cos_out)
-    a, b, c, d = listing_on_tangents(q, fx, fy, dx, dy, in_front)
+    along_x, along_y = local[3] + fx * local[5], local[4] + fy * local[5]
+    a, b, c, d = listing_on_tangents(r, dx, dy, in_front, along_x, along_y)
     i = area * per_cos_in
     a, b, c, d = d * i, -b * i, -c * i, a * i
-    e, f, g, h = listing_on_tangents(q, fx, fy, wx, wy, behind)
+    e, f, g, h = listing_on_tangents(r, wx, wy, behind, ratio * along_x, ratio * along_y)
     gamma = -(n1 * cos_out - n0 * cos_in) * area * area * per_cos_out
     xa, xb, ya, yb = fxx * a + fxy * c, fxx * b + fxy * d, fxy * a + fyy * c, fxy * b + fyy * d
     return (
@@ -178,7 +198,7 @@ def spheres(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lower
     for k in nb.prange(count):
         ray = load(rays, first + k)
         local = to_surface(q, ray)
-        t = to_quadric(c, c, c, local)
+        t = to_sphere(c, local)
         normal = 1 + c * (local[2] + t * local[5])
         t = t if (t >= 0) & (normal > 0) else math.nan
         f2 = -c / normal
@@ -362,7 +382,7 @@ def bicubics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lowe
     for k in nb.prange(count):
         ray = load(rays, first + k)
         local = to_surface(q, ray)
-        t = to_quadric(c, c, c, local)
+        t = to_sphere(c, local)
         i, x = locate(axis_x, bx, bins_x, local[0] + t * local[3])
         j, y = locate(axis_y, by, bins_y, local[1] + t * local[4])
         t = closer(third_order(cells, j * across + i, 4, x, y), t, local)
@@ -384,7 +404,7 @@ def biquintics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lo
     for k in nb.prange(count):
         ray = load(rays, first + k)
         local = to_surface(q, ray)
-        t = to_quadric(c, c, c, local)
+        t = to_sphere(c, local)
         i, x = locate(axis_x, bx, bins_x, local[0] + t * local[3])
         j, y = locate(axis_y, by, bins_y, local[1] + t * local[4])
         t = closer(third_order(cells, j * across + i, 6, x, y), t, local)
