@@ -5,6 +5,7 @@ and what became of each ray.
 import math
 
 import numba as nb
+import numpy as np
 
 from .outline import OUTLINE, inside
 from .refract import ROWS, SURFACE, bend, load, pose_of, to_surface
@@ -13,6 +14,7 @@ from .transfer import store_transfer, transfer
 
 OK, MISSED_BACK, MISSED_FRONT, OUTSIDE_OUTLINE, NOT_CONVERGED, TOTAL_INTERNAL_REFLECTION = range(6)
 LENS = nb.types.Tuple((SURFACE, SURFACE, VECTOR))
+ONE, BLOCK = np.uint64(1), np.uint64(64)
 
 
 @called
@@ -56,10 +58,32 @@ def trace_one(back, front, index, ray, out, upper, lower, i):
 
 
 @inline
-def within(outline, q, point):
-    """Whether a point (wear frame) lies within the outline of the lens whose pose is q."""
-    x, y, z = point[0] - q[9], point[1] - q[10], point[2] - q[11]
-    return inside(outline, q[0] * x + q[3] * y + q[6] * z, q[1] * x + q[4] * y + q[7] * z)
+def on_lens(q, out, row, i):
+    """x, y in the lens frame, whose pose is q, of the i-th point (wear frame) in three rows of out."""
+    x, y, z = out[row, i] - q[9], out[row + 1, i] - q[10], out[row + 2, i] - q[11]
+    return q[0] * x + q[3] * y + q[6] * z, q[1] * x + q[4] * y + q[7] * z
+
+
+@inline
+def surely_inside(limits, point):
+    """Whether a point lies within the least radius of the outline (limits as of it); False for NaN."""
+    x, y = point[0] - limits[0], point[1] - limits[1]
+    return x * x + y * y <= limits[2]
+
+
+@called
+def settle_one(back, front, q, index, outline, ray, out, i):
+    """The status of the i-th ray, traced by the search that never fails where the direction in out is NaN."""
+    state = OK
+    if math.isnan(out[11, i]):
+        state = trace_one(back, front, index, ray, out, out[12:20], out[20:28], i)
+    if state == OK:
+        for row in (0, 6):
+            x, y = on_lens(q, out, row, i)
+            state = state if inside(outline, x, y) else OUTSIDE_OUTLINE
+    if state != OK:
+        out[:, i] = math.nan
+    return state
 
 
 @nb.njit(
@@ -67,23 +91,26 @@ def within(outline, q, point):
     nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH,
 )  # fmt: skip
 def finish(lens, index, outline, rays, first, count, out, status):
-    """Trace those of so many rays (6, n), from `first` on, whose direction in out (row 11) is NaN one by one, and fill in
-    their status (n,).
+    """Trace those of so many rays (6, >= count) whose direction in out (row 11, from column `first` on) is NaN one by one,
+    and fill in their status (n,).
 
     lens: back surface, front surface and pose (12,) of the lens; index: of its material. Rays that enter or leave beyond
     its outline fail. out (28, >= n): in the lens the point on the back surface (3) and the direction (3), in the scene the
     point on the front surface (3) and the direction (3), wear frame, mm; then the transfer matrix (16) row by row; NaN
-    where the status is not OK.
+    where the status is not OK. A block of rays that all pass near the centre of the outline, the rule, is told at once by a
+    loop that LLVM vectorises.
     """
     back, front, pose = lens
-    q, upper, lower = pose_of(pose), out[12:20], out[20:28]
-    for k in nb.prange(count):
-        i, state = first + k, OK
-        if math.isnan(out[11, i]):
-            state = trace_one(back, front, index, load(rays, i), out, upper, lower, i)
-        if state == OK:
-            entry, leaving = (out[0, i], out[1, i], out[2, i]), (out[6, i], out[7, i], out[8, i])
-            state = OK if within(outline, q, entry) and within(outline, q, leaving) else OUTSIDE_OUTLINE
-        if state != OK:
-            out[:, i] = math.nan
-        status[i] = state
+    limits, q = outline[0], pose_of(pose)
+    for block in nb.prange((count + BLOCK - ONE) // BLOCK):
+        low, high = block * BLOCK, min(count, (block + ONE) * BLOCK)
+        passed = 0
+        for i in range(first + low, first + high):
+            entered, left = on_lens(q, out, 0, i), on_lens(q, out, 6, i)
+            passed += surely_inside(limits, entered) & surely_inside(limits, left) & (out[11, i] == out[11, i])
+        if passed == high - low:
+            for i in range(first + low, first + high):
+                status[i] = OK
+        else:
+            for k in range(low, high):
+                status[first + k] = settle_one(back, front, q, index, outline, load(rays, first + k), out, first + k)
