@@ -2,15 +2,14 @@
 
 import weakref
 from collections import deque
+from contextlib import suppress
 
 import numpy as np
 
 from .conventions import Floats
 
-LEAST, MOST = (
-    1 << 17,
-    1 << 23,
-)  # numbers: smaller ones come from pages that the heap keeps, larger ones are too much to keep
+LEAST = 1 << 17  # numbers: smaller arrays come from pages that the heap keeps
+MOST = 1 << 25  # numbers in all that are kept spare, 268 MB: the 1024 x 1024 gazes of a trace and no more
 _spare: deque[Floats] = deque(maxlen=2)
 
 
@@ -22,8 +21,15 @@ def uninitialised(size: int) -> Floats:
     if block is None:
         block = np.empty(size)
     array: Floats = np.frombuffer(block.data)  # views of it hold it, as its own base is no array
-    weakref.finalize(array, _spare.append, block).atexit = False
+    weakref.finalize(array, _keep, block).atexit = False
     return array
+
+
+def _keep(block: Floats) -> None:
+    _spare.append(block)
+    while sum(spare.size for spare in list(_spare)) > MOST:
+        with suppress(IndexError):  # another thread may have taken it
+            _spare.popleft()
 
 
 def _taken(size: int) -> Floats | None:

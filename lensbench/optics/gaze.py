@@ -19,7 +19,7 @@ from .surfaces import Surface
 MOST_STEPS = 30
 CLOSE = 1e-6  # of the distance: one more step of Newton's method then leaves less than 1e-11
 ENDLESS = np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)  # an outline that holds every point
-CHUNK = 16384  # rays whose intermediate results stay in the processor's cache
+CHUNK = 8192  # rays whose intermediate results stay in the processor's cache
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,10 +115,23 @@ def trace_rays(lens: Lens, wear: Wear, start: ArrayLike, direction: ArrayLike) -
     The transfer matrix runs from the start point to the exit point on the front surface; NaN where status is not OK.
     """
     d = np.asarray(direction, dtype=float).reshape(-1, 3)
-    rays = _rows(6, len(d))
-    rays[:3, : len(d)] = np.broadcast_to(np.asarray(start, dtype=float), d.shape).T
-    rays[3:, : len(d)] = d.T
-    return _traced_rays(*_through(lens, wear, rays, len(d), within_outline=False))
+    rays = _Rays(np.broadcast_to(np.asarray(start, dtype=float), d.shape).T, 0.0, d.T)
+    return _traced_rays(*_through(lens, wear, rays, within_outline=False))
+
+
+class _Rays(NamedTuple):
+    """n rays in the wear frame that start (mm) at points (3, n) + lever * direction, direction (3, n)."""
+
+    points: Floats
+    lever: float
+    direction: Floats
+
+    def write(self, first: int, count: int, out: Floats) -> None:
+        """Start and direction of `count` rays from `first` on into out (6, >= count)."""
+        part = slice(first, first + count)
+        start, out[3:, :count] = out[:3, :count], self.direction[:, part]
+        np.multiply(self.direction[:, part], self.lever, out=start)
+        start += self.points[:, part]
 
 
 def _rows(count: int, n: int) -> Floats:
@@ -128,19 +141,21 @@ def _rows(count: int, n: int) -> Floats:
     return uninitialised(count * width).reshape(count, width)
 
 
-def _through(lens: Lens, wear: Wear, rays: Floats, n: int, within_outline: bool) -> tuple[Floats, NDArray[np.int8]]:
-    """The first n of the rays (6, >= n) through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
+def _through(lens: Lens, wear: Wear, rays: _Rays, within_outline: bool) -> tuple[Floats, NDArray[np.int8]]:
+    """n rays through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
+    n = rays.direction.shape[1]
     out, status = _rows(28, n), np.empty(n, dtype=np.int8)
+    started, bends = _rows(6, min(CHUNK, n)), _rows(9, min(CHUNK, n))
     worn, outline = _worn(lens, wear)
     outline = outline if within_outline else ENDLESS
     back, front = _kernel(lens.back, second=False), _kernel(lens.front, second=True)
     inside, outside, upper, lower = out[:6], out[6:12], out[12:20], out[20:]
     for first in range(0, n, CHUNK):
         count = min(CHUNK, n - first)
-        bends = _rows(9, count)
-        back(worn[0], 1.0, lens.index, rays, inside, None, bends, None, first, count)
+        rays.write(first, count, started)
+        back(worn[0], 1.0, lens.index, started, inside, None, bends, None, first, count)
         front(worn[1], lens.index, 1.0, inside, outside, bends, upper, lower, first, count)
-        kernels.trace.finish(worn, lens.index, outline, rays, first, count, out, status)
+        kernels.trace.finish(worn, lens.index, outline, started, first, count, out, status)
     return out, status
 
 
@@ -194,19 +209,15 @@ def _field(
     if lens is None:
         rays = _naked_rays(wearer, directions)
     else:
-        started = _chief_rays(wearer, directions.T)
-        rays = _traced_rays(*_through(lens, wearer.wear, started, len(directions), within_outline))
+        rays = _traced_rays(*_through(lens, wearer.wear, _chief_rays(wearer, directions.T), within_outline))
     arrays = (rays.entry, rays.exit, rays.direction, rays.transfer, rays.status)
     return GazeField(lens, wearer, directions, *arrays, shape)
 
 
-def _chief_rays(wearer: Wearer, gaze: Floats) -> Floats:
-    """The rays (6, >= n) that leave the centre of the entrance pupil at gazes (3, n)."""
-    n = gaze.shape[1]
-    rays = _rows(6, n)
-    np.add(gaze * wearer.eye.pupil_from_rotation, wearer.centre_of_rotation[:, None], out=rays[:3, :n])
-    rays[3:, :n] = gaze
-    return rays
+def _chief_rays(wearer: Wearer, gaze: Floats) -> _Rays:
+    """The rays that leave the centre of the entrance pupil at gazes (3, n)."""
+    points = np.broadcast_to(wearer.centre_of_rotation[:, None], gaze.shape)
+    return _Rays(points, wearer.eye.pupil_from_rotation, gaze)
 
 
 def _naked_rays(wearer: Wearer, directions: Floats) -> TracedRays:
@@ -251,7 +262,7 @@ def _aim(
     miss, reason, seeking = np.empty(len(points)), np.zeros(len(points), dtype=np.int8), np.arange(len(points))
     for _ in range(MOST_STEPS):
         rays = _chief_rays(wearer, np.take(gaze, seeking, axis=1))
-        out, status = _through(lens, wearer.wear, rays, seeking.size, within_outline=False)
+        out, status = _through(lens, wearer.wear, rays, within_outline=False)
         lever = wearer.eye.pupil_from_rotation
         kernels.aim.turn(out, status, seeking, target, lever, passed, gaze, miss, reason)
         seeking = seeking[~(miss[seeking] <= close[seeking])]

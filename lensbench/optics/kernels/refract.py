@@ -8,7 +8,7 @@ search that never fails.
 A kernel's arguments: surface (kind, p, breaks_x, breaks_y, bins_x, bins_y, cells, pose (12,): rotation row by row, then
 vertex; surface to wear frame); bins_x and bins_y again, or None where all cells of a spline are equally wide; n0, n1
 refractive indices; rays, refracted (6, n): point (mm) and unit direction in the wear frame, of which `count` columns from
-`first` on are read and written. Of the first surface, before is None and out (9, count) takes its bends: the way to the
+`first` on are read and written. Of the first surface, rays has only those columns, before is None and out (9, count) takes its bends: the way to the
 surface t (mm), then U and W row by row, with which the surface takes offset x and optical momentum p of a transverse ray to
 U x and W x + U^-T p, in the Listing frames of the rays before and after it. Of the second surface, before holds the bends of
 the first one, and out and lower (8, n) take the upper and the lower half of the transfer matrices through both: more rows
@@ -174,6 +174,12 @@ def load(rays, i):
 
 
 @inline
+def incoming(rays, before, first, k):
+    """The k-th ray before the surface."""
+    return load(rays, k if before is None else first + k)
+
+
+@inline
 def store(refracted, before, out, lower, first, k, v, n0):
     """The k-th ray after the surface; and what the surface, or both surfaces, did to it."""
     i = first + k
@@ -196,7 +202,7 @@ def spheres(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lower
     _kind, p, _bx, _by, _nx, _ny, _cells, pose = surface
     c, q = p[0], pose_of(pose)
     for k in nb.prange(count):
-        ray = load(rays, first + k)
+        ray = incoming(rays, before, first, k)
         local = to_surface(q, ray)
         t = to_sphere(c, local)
         normal = 1 + c * (local[2] + t * local[5])
@@ -213,7 +219,7 @@ def conics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lower,
     _kind, parameters, _bx, _by, _nx, _ny, _cells, pose = surface
     p, q = eight(parameters), pose_of(pose)
     for k in nb.prange(count):
-        ray = load(rays, first + k)
+        ray = incoming(rays, before, first, k)
         local = to_surface(q, ray)
         t = to_quadric(p[0], p[0], (1 + p[1]) * p[0], local)
         t = closer(conic(p, local[0] + t * local[3], local[1] + t * local[4]), t, local)
@@ -246,7 +252,7 @@ def torics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lower,
     _kind, parameters, _bx, _by, _nx, _ny, _cells, pose = surface
     p, q = eight(parameters), pose_of(pose)
     for k in nb.prange(count):
-        ray = load(rays, first + k)
+        ray = incoming(rays, before, first, k)
         local = to_surface(q, ray)
         axial = on_axes(p[2], p[3], local)
         t = closer_to_torus(p, to_quadric(p[0], p[1], 0.5 * (p[0] + p[1]), axial), axial)
@@ -260,7 +266,7 @@ def biconics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lowe
     _kind, parameters, _bx, _by, _nx, _ny, _cells, pose = surface
     p, q = eight(parameters), pose_of(pose)
     for k in nb.prange(count):
-        ray = load(rays, first + k)
+        ray = incoming(rays, before, first, k)
         local = to_surface(q, ray)
         t = to_quadric(p[0], p[1], 0.5 * ((1 + p[4]) * p[0] + (1 + p[5]) * p[1]), on_axes(p[2], p[3], local))
         t = closer(biconic(p, local[0] + t * local[3], local[1] + t * local[4]), t, local)
@@ -380,7 +386,7 @@ def bicubics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lowe
     across, cells = cells.shape[1], cells.reshape(-1, 16)
     c, q, axis_x, axis_y = p[0], pose_of(pose), axis_of(bx, bins_x), axis_of(by, bins_y)
     for k in nb.prange(count):
-        ray = load(rays, first + k)
+        ray = incoming(rays, before, first, k)
         local = to_surface(q, ray)
         t = to_sphere(c, local)
         i, x = locate(axis_x, bx, bins_x, local[0] + t * local[3])
@@ -402,7 +408,7 @@ def biquintics(surface, bins_x, bins_y, n0, n1, rays, refracted, before, out, lo
     across, cells = cells.shape[1], cells.reshape(-1, 36)
     c, q, axis_x, axis_y = p[0], pose_of(pose), axis_of(bx, bins_x), axis_of(by, bins_y)
     for k in nb.prange(count):
-        ray = load(rays, first + k)
+        ray = incoming(rays, before, first, k)
         local = to_surface(q, ray)
         t = to_sphere(c, local)
         i, x = locate(axis_x, bx, bins_x, local[0] + t * local[3])

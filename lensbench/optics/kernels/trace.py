@@ -113,4 +113,4 @@ def finish(lens, index, outline, rays, first, count, out, status):
                 status[i] = OK
         else:
             for k in range(low, high):
-                status[first + k] = settle_one(back, front, q, index, outline, load(rays, first + k), out, first + k)
+                status[first + k] = settle_one(back, front, q, index, outline, load(rays, k), out, first + k)
