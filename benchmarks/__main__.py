@@ -7,7 +7,7 @@ import sys
 
 from lensbench.output import to_json, write_file
 
-from .figures import Figure, as_data, as_page
+from .figures import Figure, about_machine, as_data, as_page
 from .files import reading_points
 from .fresh import first_calls, peak_memory
 from .growth import growth
@@ -33,6 +33,8 @@ def main() -> int:
     if unknown := [name for name in names if name not in parts]:
         print(f"no part {', '.join(unknown)}; there are {', '.join(parts)}", file=sys.stderr)
         return 2
+    if not as_json:
+        print(about_machine(), flush=True)
     figures: list[Figure] = []
     for part in [parts[name] for name in names] or PARTS:
         found = part()

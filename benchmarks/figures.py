@@ -2,10 +2,19 @@
 
 import html
 import platform
+import sys
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 
 import numba
+from llvmlite.binding import get_host_cpu_name
+
+import lensbench as lb
+from lensbench.optics import surfaces
+from lensbench.optics.gaze import trace_rays
+from lensbench.optics.kernels import vector_bits
+from lensbench.optics.lens import Lens, circle_outline
+from lensbench.optics.materials import MATERIALS
 
 PAGE = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>LensBench: measured speed</title>
@@ -54,15 +63,37 @@ class Figure:
 
 
 def machine() -> dict[str, str]:
-    """On what it was measured."""
+    """On what it was measured, and what decides the kernels' speed there."""
     packages = {name: version(name) for name in ("numpy", "numba")}
     return {
-        "processor": platform.processor() or platform.machine(),
-        "threads": str(numba.get_num_threads()),
+        "processor": f"{processor()} ({get_host_cpu_name()})",
+        "vectors": f"{vector_bits()} bits",
+        "threads": f"{numba.get_num_threads()} ({threading_layer()})",
         "system": platform.platform(),
         "python": platform.python_version(),
         **packages,
     }
+
+
+def processor() -> str:
+    """The processor's name, as the system tells it."""
+    if sys.platform == "linux":
+        with open("/proc/cpuinfo", encoding="utf-8") as lines:
+            names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+        return names[0] if names else platform.machine()
+    return platform.processor() or platform.machine()
+
+
+def threading_layer() -> str:
+    """What shares the work between numba's threads: known after a first ray."""
+    lens = Lens(surfaces.sphere(100.0), surfaces.sphere(100.0), 2.0, MATERIALS["MR-8"], circle_outline(70.0))
+    trace_rays(lens, lb.Wear(), [[0.0, 0.0, -27.0]], [[0.0, 0.0, 1.0]])
+    return str(numba.threading_layer())
+
+
+def about_machine() -> str:
+    """The same in one line."""
+    return ", ".join(f"{name} {value}" for name, value in machine().items())
 
 
 def as_data(figures: list[Figure]) -> dict[str, object]:
@@ -78,5 +109,4 @@ def as_page(figures: list[Figure]) -> str:
         f'<td>{f.target}<td class="{f.verdict}">{f.verdict}'
         for f in figures
     )
-    about = ", ".join(f"{name} {value}" for name, value in machine().items())
-    return PAGE.format(machine=html.escape(about), rows=rows)
+    return PAGE.format(machine=html.escape(about_machine()), rows=rows)

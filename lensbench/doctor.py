@@ -21,8 +21,12 @@ def examine() -> dict[str, str]:
         except PackageNotFoundError:
             found[package] = 'not installed (pip install "lensbench[report]")'
     import numba
+    from llvmlite.binding import get_host_cpu_name
+
+    from .optics.kernels import vector_bits
 
     found["threads"] = f"{numba.config.NUMBA_NUM_THREADS} of {os.cpu_count()} processors"
+    found["vectors"] = f"{vector_bits()} bits on {get_host_cpu_name()}"
     try:
         from .views.offscreen import gl_report
 

@@ -1,10 +1,12 @@
 """From a lens and a wearer to chief rays: pose of the worn lens, grids of gaze, and the trace itself."""
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -19,6 +21,7 @@ from .surfaces import Surface
 MOST_STEPS = 30
 CLOSE = 1e-6  # of the distance: one more step of Newton's method then leaves less than 1e-11
 ENDLESS = np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)  # an outline that holds every point
+ENOUGH = 256  # rays that a thread of its own searches sooner than it is started
 CHUNK = 8192  # rays whose intermediate results stay in the processor's cache
 
 
@@ -142,7 +145,7 @@ def _rows(count: int, n: int) -> Floats:
 
 
 def _through(lens: Lens, wear: Wear, rays: _Rays, within_outline: bool) -> tuple[Floats, NDArray[np.int8]]:
-    """n rays through the lens: out (28, >= n) and status (n,), see kernels.trace.finish."""
+    """n rays through the lens: out (28, >= n) and status (n,), see kernels.trace.judge."""
     n = rays.direction.shape[1]
     out, status = _rows(28, n), np.empty(n, dtype=np.int8)
     started, bends = _rows(6, min(CHUNK, n)), _rows(9, min(CHUNK, n))
@@ -155,8 +158,22 @@ def _through(lens: Lens, wear: Wear, rays: _Rays, within_outline: bool) -> tuple
         rays.write(first, count, started)
         back(worn[0], 1.0, lens.index, started, inside, None, bends, None, first, count)
         front(worn[1], lens.index, 1.0, inside, outside, bends, upper, lower, first, count)
-        kernels.trace.finish(worn, lens.index, outline, started, first, count, out, status)
+        kernels.trace.judge(worn[2], outline, first, count, out, status)
+        sought = np.flatnonzero(status[first : first + count] == kernels.trace.SOUGHT)
+        if sought.size:
+            _search((worn, lens.index, outline, started, first), sought, (out, status))
     return out, status
+
+
+def _search(before: tuple[Any, ...], sought: NDArray[np.int64], after: tuple[Any, ...]) -> None:
+    """The search that never fails, for the rays sought of a chunk; on several threads where there are many."""
+    search = kernels.surface.compiled(kernels.trace.search, kernels.trace.SEARCH)
+    threads = min(sought.size // ENOUGH, numba.get_num_threads())
+    if threads < 2:
+        search(*before, sought, *after)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(lambda part: search(*before, part, *after), np.array_split(sought, threads)))
 
 
 @lru_cache(maxsize=16)

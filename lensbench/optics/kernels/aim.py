@@ -44,7 +44,7 @@ def missed(traced, j, tx, ty, tz, lever):
 def turn(traced, status, seeking, target, lever, passed, gaze, miss, reason):
     """By how much chief rays miss their targets, and the gazes that would mend it.
 
-    traced (28, >= m), status (m,): as trace.finish leaves them, of the gazes number `seeking` (m,) of n. target (3, n): mm,
+    traced (28, >= m), status (m,): as trace.judge leaves them, of the gazes number `seeking` (m,) of n. target (3, n): mm,
     wear frame. lever: mm from the centre of rotation to the pupil. Changed in place: passed (3, n), the last gaze whose ray
     passed; gaze (3, n), turned to the target, or half-way back to that one where the ray failed; miss (n,), mm, infinite
     where it failed; reason (n,), the first failure.

@@ -2,7 +2,7 @@
 
 Each kernel starts on a quadric near the surface, comes closer on a parabola along the ray (on a spline by the terms up to
 third order about the middle of a cell) and corrects t and the slopes of the next evaluation by the second derivatives
-instead of evaluating once more. A ray that is not safely met in this way becomes NaN: trace.finish takes it up with the
+instead of evaluating once more. A ray that is not safely met in this way becomes NaN: trace.search takes it up with the
 search that never fails.
 
 A kernel's arguments: surface (kind, p, breaks_x, breaks_y, bins_x, bins_y, cells, pose (12,): rotation row by row, then

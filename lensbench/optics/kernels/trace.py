@@ -13,7 +13,10 @@ from .surface import FASTMATH, MATRIX, VECTOR, called, inline, intersect, sag
 from .transfer import store_transfer, transfer
 
 OK, MISSED_BACK, MISSED_FRONT, OUTSIDE_OUTLINE, NOT_CONVERGED, TOTAL_INTERNAL_REFLECTION = range(6)
+SOUGHT = -1
 LENS = nb.types.Tuple((SURFACE, SURFACE, VECTOR))
+INDICES = nb.types.Array(nb.int64, 1, "C", readonly=True)
+SEARCH = nb.void(LENS, nb.float64, OUTLINE, MATRIX, nb.int64, INDICES, ROWS, nb.int8[::1])
 ONE, BLOCK = np.uint64(1), np.uint64(64)
 
 
@@ -72,45 +75,55 @@ def surely_inside(limits, point):
 
 
 @called
-def settle_one(back, front, q, index, outline, ray, out, i):
-    """The status of the i-th ray, traced by the search that never fails where the direction in out is NaN."""
-    state = OK
-    if math.isnan(out[11, i]):
-        state = trace_one(back, front, index, ray, out, out[12:20], out[20:28], i)
-    if state == OK:
-        for row in (0, 6):
-            x, y = on_lens(q, out, row, i)
-            state = state if inside(outline, x, y) else OUTSIDE_OUTLINE
-    if state != OK:
-        out[:, i] = math.nan
-    return state
+def outline_status(outline, q, out, i):
+    """Status of the i-th ray, which has passed the surfaces: whether it enters and leaves within the outline."""
+    for row in (0, 6):
+        x, y = on_lens(q, out, row, i)
+        if not inside(outline, x, y):
+            return OUTSIDE_OUTLINE
+    return OK
 
 
 @nb.njit(
-    nb.void(LENS, nb.float64, OUTLINE, MATRIX, nb.uint64, nb.uint64, ROWS, nb.int8[::1]),
+    nb.void(VECTOR, OUTLINE, nb.uint64, nb.uint64, ROWS, nb.int8[::1]),
     nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH,
 )  # fmt: skip
-def finish(lens, index, outline, rays, first, count, out, status):
-    """Trace those of so many rays (6, >= count) whose direction in out (row 11, from column `first` on) is NaN one by one,
-    and fill in their status (n,).
+def judge(pose, outline, first, count, out, status):
+    """Status (n,) of so many rays from `first` on: those that enter or leave beyond the outline of the lens, whose pose (12,)
+    is given, fail and become NaN; those whose direction in out (row 11) is NaN are SOUGHT, for `search` to take up.
 
-    lens: back surface, front surface and pose (12,) of the lens; index: of its material. Rays that enter or leave beyond
-    its outline fail. out (28, >= n): in the lens the point on the back surface (3) and the direction (3), in the scene the
-    point on the front surface (3) and the direction (3), wear frame, mm; then the transfer matrix (16) row by row; NaN
-    where the status is not OK. A block of rays that all pass near the centre of the outline, the rule, is told at once by a
-    loop that LLVM vectorises.
+    out (28, >= n): in the lens the point on the back surface (3) and the direction (3), in the scene the point on the front
+    surface (3) and the direction (3), wear frame, mm; then the transfer matrix (16) row by row. A block of rays that all pass
+    near the centre of the outline, the rule, is told at once by a loop that LLVM vectorises.
     """
-    back, front, pose = lens
     limits, q = outline[0], pose_of(pose)
     for block in nb.prange((count + BLOCK - ONE) // BLOCK):
-        low, high = block * BLOCK, min(count, (block + ONE) * BLOCK)
+        low, high = first + block * BLOCK, first + min(count, (block + ONE) * BLOCK)
         passed = 0
-        for i in range(first + low, first + high):
+        for i in range(low, high):
             entered, left = on_lens(q, out, 0, i), on_lens(q, out, 6, i)
             passed += surely_inside(limits, entered) & surely_inside(limits, left) & (out[11, i] == out[11, i])
-        if passed == high - low:
-            for i in range(first + low, first + high):
-                status[i] = OK
-        else:
-            for k in range(low, high):
-                status[first + k] = settle_one(back, front, q, index, outline, load(rays, k), out, first + k)
+        for i in range(low, high):
+            status[i] = OK
+            if passed < high - low:
+                status[i] = SOUGHT if math.isnan(out[11, i]) else outline_status(outline, q, out, i)
+            if status[i] == OUTSIDE_OUTLINE:
+                out[:, i] = math.nan
+
+
+@nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH)
+def search(lens, index, outline, rays, first, sought, out, status):
+    """Trace the rays number `sought` (m,) after `first`, of rays (6, >= count), by the search that never fails; columns of out
+    (28, >= n) and their status (n,) as `judge` leaves them, and NaN where the status is not OK.
+
+    lens: back surface, front surface and pose (12,) of the lens; index: of its material. On one thread: several may share
+    the rays.
+    """
+    back, front, pose = lens
+    q = pose_of(pose)
+    for k in sought:
+        i = first + k
+        state = trace_one(back, front, index, load(rays, k), out, out[12:20], out[20:28], i)
+        status[i] = outline_status(outline, q, out, i) if state == OK else state
+        if status[i] != OK:
+            out[:, i] = math.nan
