@@ -2,13 +2,16 @@
 
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
+from llvmlite.binding import get_host_cpu_name
 
 import lensbench as lb
 from benchmarks import schemes
-from benchmarks.figures import Figure, as_data, as_page
+from benchmarks.figures import Figure, about_machine, as_data, as_page, processor
 from lensbench.cli import machine, main
+from lensbench.optics.kernels import vector_bits
 
 
 @pytest.mark.parametrize(
@@ -34,6 +37,12 @@ def test_a_page_of_figures_is_escaped_and_says_where():
         {"name": "a < b", "value": 1.5, "unit": "ms", "at_most": 2, "verdict": "met"}
     ]
     assert as_data(figures)["machine"]["threads"] in as_page(figures)
+
+
+def test_the_head_names_what_decides_the_kernels_speed():
+    head = about_machine()
+    assert head.startswith(f"processor {processor()} ({get_host_cpu_name()}), vectors {vector_bits()} bits, threads ")
+    assert f"{numba.get_num_threads()} ({numba.threading_layer()})" in head
 
 
 def test_bench_needs_a_checkout(tmp_path, monkeypatch, capsys):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from lensbench.optics import buffers
+import lensbench as lb
+from lensbench.optics import buffers, surfaces
 
 SIZE = buffers.LEAST + 1
 
@@ -41,6 +42,28 @@ def test_only_arrays_of_the_same_size_share_memory_and_few_are_kept():
     assert len(places) == 5
     assert len(buffers._spare) == 2
     assert buffers.uninitialised(SIZE + 9).size == SIZE + 9
+
+
+def test_no_more_is_kept_than_the_largest_array(monkeypatch):
+    monkeypatch.setattr(buffers, "MOST", 3 * SIZE)
+    arrays = [buffers.uninitialised(2 * SIZE) for _ in range(2)]
+    places = [address(array) for array in arrays]
+    del arrays[0]
+    del arrays[0]
+    assert [address(spare) for spare in buffers._spare] == places[1:]
+
+
+@pytest.mark.parametrize("n", [256, 1024])
+def test_a_trace_is_written_over_the_memory_of_the_one_before(lens_of, n):
+    """Of several chunks of rays, up to 1024 x 1024 gazes: pages new from the system cost as much as the kernels."""
+    lens, grid = lens_of(surfaces.sphere(95.0), surfaces.sphere(110.0)), lb.GazeGrid(n, n)
+    field = lb.trace(lens, lb.Wearer(), grid)
+    assert not buffers._spare
+    del field
+    (spare,) = buffers._spare
+    field = lb.trace(lens, lb.Wearer(), grid)
+    assert not buffers._spare
+    assert np.shares_memory(field.transfer, spare)
 
 
 @pytest.mark.parametrize("size", [0, 10, buffers.MOST + 1])

@@ -1,13 +1,14 @@
 """What becomes of rays that fail: their status, NaN everywhere, and no harm to their neighbours."""
 
 import naive
+import numba
 import numpy as np
 import pytest
 
 from lensbench.optics import surfaces
 from lensbench.optics.conventions import Status
 from lensbench.optics.eye import Eye, Wear, Wearer
-from lensbench.optics.gaze import GazeGrid, look_at, trace, trace_rays
+from lensbench.optics.gaze import ENOUGH, GazeGrid, _Rays, _through, look_at, trace, trace_rays, worn_pose
 from lensbench.optics.lens import box_outline, circle_outline
 
 DISTANCE = 400.0
@@ -51,6 +52,39 @@ def test_rays_must_enter_and_leave_within_the_outline(lens_of, gazes):
     assert (inside[0] != inside[1]).any()
     expected = np.where(inside[0] & inside[1], Status.OK, Status.OUTSIDE_OUTLINE)
     assert np.array_equal(trace(lens, wearer, gazes).status, expected)
+
+
+def test_the_outline_is_the_lens_own_for_every_ray_of_every_block(lens_of):
+    """Rays by the edge of a frame-shaped lens, in the listed order and in one that mixes them: as Outline.contains says."""
+    lens = lens_of(surfaces.plane(), surfaces.sphere(200.0), 2.0, outline=box_outline(45.0, 30.0))
+    wear = Wear()
+    start = np.random.default_rng(3).uniform(-25.0, 25.0, (1000, 3)) * [1.0, 1.0, 0.0] - [0.0, 0.0, 20.0]
+    start = start[np.argsort(np.hypot(start[:, 0], start[:, 1]))]
+    for points in (start, np.random.default_rng(4).permutation(start)):
+        directions = np.tile(AHEAD, (len(points), 1))
+        free = trace_rays(lens, wear, points, directions)
+        on_lens = [worn_pose(lens, wear).to_lens(at) for at in (free.entry, free.exit)]
+        inside = np.logical_and(*(lens.outline.contains(at[:, 0], at[:, 1]) for at in on_lens))
+        assert 0.2 < inside.mean() < 0.8
+        out, status = _through(lens, wear, _Rays(points.T, 0.0, directions.T), within_outline=True)
+        assert np.array_equal(status, np.where(inside, Status.OK, Status.OUTSIDE_OUTLINE))
+        assert np.array_equal(np.isnan(out[:, :1000]).any(axis=0), ~inside)
+
+
+def test_many_rays_sought_by_several_threads_are_those_of_one(lens_of):
+    """Two thirds of the rays miss a back surface that is half a ball of 8 mm."""
+    lens = lens_of(surfaces.plane(), surfaces.sphere(8.0), 9.0)
+    gaze = GazeGrid(96, 96, 0.9, 0.9)
+    several = trace(lens, Wearer(), gaze, within_outline=False)
+    threads = numba.get_num_threads()
+    numba.set_num_threads(1)
+    try:
+        one = trace(lens, Wearer(), gaze, within_outline=False)
+    finally:
+        numba.set_num_threads(threads)
+    assert (one.status != Status.OK).sum() > 2 * ENOUGH
+    assert np.array_equal(several.status, one.status)
+    assert np.array_equal(several.transfer, one.transfer, equal_nan=True)
 
 
 @pytest.mark.parametrize("name", FAILURES)

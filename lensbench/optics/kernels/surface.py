@@ -27,7 +27,10 @@ CELLS = nb.types.Array(nb.float64, 4, "C", readonly=True)
 SHAPE = nb.types.Tuple((nb.int64, VECTOR, VECTOR, VECTOR, BINS, BINS, CELLS))
 
 FASTMATH = {"contract", "nsz"}  # what leaves NaN and infinity alone
-NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}  # Python does not call them: a fifth less to compile
+NO_WRAPPERS = {
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}  # Python does not call them: a fifth less to compile
 inline = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH, forceinline=True, **NO_WRAPPERS)
 called = nb.njit(nogil=True, cache=True, error_model="numpy", fastmath=FASTMATH, **NO_WRAPPERS)
 kernel = nb.njit(nogil=True, cache=True, parallel=True, error_model="numpy", fastmath=FASTMATH)
