@@ -11,8 +11,9 @@ refractive indices; rays, refracted (6, n): point (mm) and unit direction in the
 `first` on are read and written. Of the first surface, rays has those columns only, before is None and out (9, count) takes
 its bends: the way to the surface t (mm), then U and W row by row, with which the surface takes offset x and optical momentum
 p of a transverse ray to U x and W x + U^-T p, in the Listing frames of the rays before and after it. Of the second surface,
-before holds the bends of the first one, and out and lower (8, n) take the upper and the lower half of the transfer matrices through both: more rows
-of one array than this, and LLVM will not compare so many for overlaps, and vectorise. Of the first, lower is None.
+before holds the bends of the first one, and out and lower (8, n) take the upper and the lower half of the transfer matrices
+through both: more rows of one array than this, and LLVM will not compare so many for overlaps, and vectorise. Of the first,
+lower is None.
 """
 
 import math
