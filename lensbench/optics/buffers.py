@@ -10,7 +10,7 @@ from .conventions import Floats
 
 LEAST = 1 << 17  # numbers: smaller arrays come from pages that the heap keeps
 MOST = 1 << 25  # numbers in all that are kept spare, 268 MB: the 1024 x 1024 gazes of a trace and no more
-_spare: deque[Floats] = deque(maxlen=2)
+_spare: deque[Floats] = deque(maxlen=4)
 
 
 def uninitialised(size: int) -> Floats:

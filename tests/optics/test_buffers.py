@@ -11,7 +11,7 @@ SIZE = buffers.LEAST + 1
 
 @pytest.fixture(autouse=True)
 def nothing_spare(monkeypatch):
-    monkeypatch.setattr(buffers, "_spare", type(buffers._spare)(maxlen=2))
+    monkeypatch.setattr(buffers, "_spare", type(buffers._spare)(maxlen=4))
 
 
 def address(array):
@@ -40,7 +40,7 @@ def test_a_view_keeps_its_memory():
 def test_only_arrays_of_the_same_size_share_memory_and_few_are_kept():
     places = {address(array) for array in [buffers.uninitialised(SIZE + k) for k in range(5)]}
     assert len(places) == 5
-    assert len(buffers._spare) == 2
+    assert len(buffers._spare) == 4
     assert buffers.uninitialised(SIZE + 9).size == SIZE + 9
 
 
@@ -58,12 +58,11 @@ def test_a_trace_is_written_over_the_memory_of_the_one_before(lens_of, n):
     """Of several chunks of rays, up to 1024 x 1024 gazes: pages new from the system cost as much as the kernels."""
     lens, grid = lens_of(surfaces.sphere(95.0), surfaces.sphere(110.0)), lb.GazeGrid(n, n)
     field = lb.trace(lens, lb.Wearer(), grid)
-    assert not buffers._spare
     del field
-    (spare,) = buffers._spare
+    largest = max(buffers._spare, key=len)
+    assert largest.size >= 28 * n * n
     field = lb.trace(lens, lb.Wearer(), grid)
-    assert not buffers._spare
-    assert np.shares_memory(field.transfer, spare)
+    assert np.shares_memory(field.transfer, largest)
 
 
 @pytest.mark.parametrize("size", [0, 10, buffers.MOST + 1])
