@@ -22,7 +22,7 @@ MOST_STEPS = 30
 CLOSE = 1e-6  # of the distance: one more step of Newton's method then leaves less than 1e-11
 ENDLESS = np.array([0.0, 0.0, np.inf, np.inf]), np.zeros(1), np.zeros(1)  # an outline that holds every point
 ENOUGH = 256  # rays that a thread of its own searches sooner than it is started
-CHUNK = 32768  # rays whose intermediate results stay in the processor's cache; a chunk's three kernels each wait for all threads
+CHUNK = 32768  # rays: few enough to stay in the processor's cache, many as each of three kernels waits for all threads
 
 
 @dataclass(frozen=True, slots=True)
